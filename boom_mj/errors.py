@@ -1,0 +1,37 @@
+"""What can go wrong, as one small tree.
+
+Every message is one sentence that names the culprit and the valid choices. The command line maps the two
+branches to its exit statuses: `InputError` (what was asked cannot be asked) to 2, every other `BoomError` to 1.
+"""
+
+
+class BoomError(Exception):
+    """The work failed; the message says on what."""
+
+
+class InputError(BoomError):
+    """The call was wrong before any work began: a bad machine file, an unknown name, a value out of range."""
+
+
+class MachineFileError(InputError):
+    """A machine file that is not a machine: every bad value with its place, the value and what is allowed."""
+
+
+class ExperimentError(InputError):
+    """An experiment that does not exist or that the machine cannot perform."""
+
+
+class EffectError(InputError):
+    """An effect, or a parameter of one, that does not exist or is out of bounds."""
+
+
+class LogError(BoomError):
+    """A log that cannot be read or lacks what was asked of it: file, topic, joint or time are named."""
+
+
+class EquilibriumError(BoomError):
+    """No static equilibrium was found; the residual and the pose are named."""
+
+
+class SimulationError(BoomError):
+    """A simulation left the numbers: when, and which coordinate."""

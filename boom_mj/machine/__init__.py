@@ -1,0 +1,11 @@
+"""What the machine is: the machine file as frozen data, its sections, statics and shape functions."""
+
+from boom_mj.machine.linkages import cylinder_forces as cylinder_forces
+from boom_mj.machine.linkages import cylinder_lengths as cylinder_lengths
+from boom_mj.machine.model import Link as Link
+from boom_mj.machine.model import Machine as Machine
+from boom_mj.machine.model import load_machine as load_machine
+from boom_mj.machine.model import parse_machine as parse_machine
+from boom_mj.machine.shapes import AXES as AXES
+from boom_mj.machine.shapes import Shape as Shape
+from boom_mj.machine.shapes import ritz_shapes as ritz_shapes
