@@ -1,6 +1,8 @@
 """Ritz shape functions (12), (18): polynomials fitted to the static deflections, normalised to 1 at the tip.
 
-So an elastic coordinate is what the tip of its link does: qa its twist in rad, qv and qw its deflection in m.
+So an elastic coordinate is what the tip of its link does: qa its twist in rad, qv and qw its deflection in m. The
+horizontal shapes bend under the inertia of a boom that is accelerated sideways, so that vertical and horizontal
+vibration meet alike; the paper leaves their load open.
 """
 
 from collections.abc import Mapping
@@ -22,7 +24,6 @@ STIFFNESS = {
     "v": sections.bending_stiffness_v,
     "w": sections.bending_stiffness_w,
 }
-ROPE_LOAD = 981.0  # N: the load of the horizontal rope-cut experiments, 100 kg over a pulley
 
 
 @dataclass(frozen=True)
@@ -66,13 +67,12 @@ def _link_shapes(machine: Machine, index: int) -> Mapping[str, Shape]:
     link = machine.links[index]
     gravity = machine.gravity or 9.81  # the shape of a weightless boom is that of a heavy one
     s = Polynomial([link.length, 1])  # distance from the root
-    down = statics.outboard_load(machine, index, gravity)
-    sideways = statics.outboard_load(machine, index, gravity, ROPE_LOAD)
+    weight = statics.outboard_load(machine, index, gravity)
     v_basis = (s**2, s**3) if link.support is None else tuple(Polynomial([-link.support, 1]) * s**k for k in (1, 2))
     curves = {
         "torsion": (statics.torsion(link), (s, s**2)),
-        "v": (statics.bending(link, sections.bending_stiffness_v, down, gravity, link.support), v_basis),
-        "w": (statics.bending(link, sections.bending_stiffness_w, sideways, 0.0, None), (s**2, s**3)),
+        "v": (statics.bending(link, sections.bending_stiffness_v, weight, gravity, link.support), v_basis),
+        "w": (statics.bending(link, sections.bending_stiffness_w, weight, gravity, None), (s**2, s**3)),
     }
     return {axis: _fit(link, axis, curve.over_tip(), basis) for axis, (curve, basis) in curves.items()}
 

@@ -1,0 +1,4 @@
+"""The machine as a MuJoCo model with equivalent hinges; it never sees the reference model."""
+
+from boom_mj.mjcf.builder import BoomModel as BoomModel
+from boom_mj.mjcf.builder import build as build

@@ -76,7 +76,7 @@ def _hinges(machine: Machine, index: int, axis: str, count: int) -> tuple[Hinge,
     link, shape = machine.links[index], ritz_shapes(machine)[index][axis]
     strain, slope = (shape.strain, shape.slope) if count == 1 else (shape.static.strain, shape.static.slope)
     supported = axis == "v" and link.support is not None
-    stretch = np.hypot(1, link.offset / link.length) if machine.offset_profile.kind == "ramp" else 1.0
+    stretch = np.hypot(1, link.offset / link.length) if machine.offset_profile.kind == "ramp" and count > 1 else 1.0
     edges, found = cell_edges(link, count, supported), []
     for start, stop in zip(edges, edges[1:]):
         x, weight = _points(start, stop)

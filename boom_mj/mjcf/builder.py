@@ -1,0 +1,158 @@
+"""The machine as an MJCF model: a chain of rigid segments joined by drives and equivalent hinges.
+
+Frames: world z up; every body of a link carries the link-tip frame (x along the link, y its vertical bending direction,
+z to the right), so that positions in the file read as the x in [-length, 0] of the equations.
+"""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from boom_mj.machine import AXES, Machine
+from boom_mj.mjcf import scene
+from boom_mj.mjcf.hinges import HingeChain, hinge_chains
+from boom_mj.mjcf.inertia import RigidInertia, beam_axis, segment_cuts, segment_inertias
+
+Array = np.ndarray
+TIMESTEP = 0.005  # s; docs/integrators.md says why
+DRIVE_FREQUENCY = 8.0  # Hz: servo of the drives as the file holds them, against the inertia of the stretched boom
+
+
+@dataclass(frozen=True)
+class BoomModel:
+    """A machine's MJCF model before compilation, and how its hinges stand for Ritz coordinates.
+
+    Attributes:
+        machine: what it was built from.
+        spec: MuJoCo model specification; `compile()` gives the model.
+        chains: per link the hinge chains `torsion`, `v`, `w`.
+    """
+
+    machine: Machine
+    spec: mujoco.MjSpec
+    chains: tuple[dict[str, HingeChain], ...]
+
+    def compile(self) -> mujoco.MjModel:
+        return self.spec.compile()
+
+    def to_xml(self) -> str:
+        """The MJCF text."""
+        self.spec.compile()
+        return self.spec.to_xml()
+
+    def ritz_matrix(self, model: mujoco.MjModel) -> Array:
+        """Rows (12, nq) with elastic Ritz coordinates = matrix @ qpos, in the order qa2, qv2, qw2, ..., qw5."""
+        rows = np.zeros((3 * len(self.chains), model.nq))
+        for row, chain in zip(rows, (link[axis] for link in self.chains for axis in AXES)):
+            row[[model.joint(name).qposadr[0] for name in chain.joint_names]] = chain.readback
+        return rows
+
+    def shape_matrix(self, model: mujoco.MjModel) -> Array:
+        """Columns (nq, 12): hinge angles when each elastic Ritz coordinate is 1."""
+        columns = np.zeros((model.nq, 3 * len(self.chains)))
+        for k, chain in enumerate(link[axis] for link in self.chains for axis in AXES):
+            columns[[model.joint(n).qposadr[0] for n in chain.joint_names], k] = [h.gain for h in chain.hinges]
+        return columns
+
+
+def build(machine: Machine, hinges: int = 1) -> BoomModel:
+    """MuJoCo model of a machine with `hinges` equivalent hinges per elastic coordinate of each link.
+
+    Joints `joint1`..`joint5`, elastic hinges `link2_v_1`, ..; sites `tip`, `imu_link2`.., `marker1`..; actuators
+    `drive1`..`drive5` (servo to a joint angle in rad) and `rope_x`, `rope_y`, `rope_z` (force on the tip, world frame, N).
+    """
+    spec = mujoco.MjSpec()
+    spec.modelname = machine.name
+    spec.compiler.degree = False
+    spec.option.timestep = TIMESTEP
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.gravity = [0, 0, -machine.gravity]
+    scene.dress(spec, machine)
+
+    turret = spec.worldbody.add_body(name="turret", pos=[0, 0, machine.slewing.pivot_height], quat=[1, 1, 0, 0])
+    _set_inertia(turret, RigidInertia(1e-3, np.zeros(3), 1e-3 * np.eye(3)))  # turns with a drive: its inertia is no matter
+    scene.draw_turret(turret, machine)
+    _add_drive(turret, machine, 0, np.zeros(3), np.array([0.0, 1.0, 0.0]))
+
+    chains, body = hinge_chains(machine, hinges), turret
+    for index in range(len(machine.links)):
+        body = _add_link(spec, body, machine, index, chains[index])
+    body.add_site(name="tip", size=[0.06, 0, 0], rgba=[0.9, 0.2, 0.1, 1])
+
+    spec.worldbody.add_site(name="world", size=[0.01, 0, 0])
+    for k, axis in enumerate("xyz"):
+        rope = spec.add_actuator(name=f"rope_{axis}", target="tip", refsite="world", trntype=mujoco.mjtTrn.mjTRN_SITE)
+        rope.gear = np.eye(6)[k]
+    _tune_drives(spec, machine)
+    return BoomModel(machine, spec, chains)
+
+
+def _add_link(
+    spec: mujoco.MjSpec, parent: mujoco.MjsBody, machine: Machine, index: int, chains: dict[str, HingeChain]
+) -> mujoco.MjsBody:
+    """Bodies of one link, root outward; returns the outermost, which carries the tip."""
+    link, paper = machine.links[index], len(chains["v"].hinges) == 1
+    axis = np.array([1.0, 0.0, 0.0]) if paper else beam_axis(machine, index)
+    across = {"torsion": axis, "v": np.array([-axis[2], 0.0, axis[0]]), "w": np.array([0.0, -1.0, 0.0])}
+    inertias, cuts = segment_inertias(machine, index, chains), [-link.length, *segment_cuts(chains), 0.0]
+    markers = np.array(machine.sensors.markers_x) * link.length
+    body = parent
+    for k, inertia in enumerate(inertias):
+        root = np.array([link.length, 0.0, link.offset])
+        body = body.add_body(name=link.name if k == 0 else f"{link.name}_{k + 1}", pos=root if k == 0 else [0, 0, 0])
+        _set_inertia(body, inertia)
+        if k == 0:
+            _add_drive(body, machine, index + 1, -root, np.array([0.0, 0.0, 1.0]))
+        for name in ("v", "w", "torsion") if k else ():
+            hinge = chains[name].hinges[k - 1]
+            joint = body.add_joint(name=chains[name].joint_names[k - 1], axis=across[name])
+            joint.pos = [hinge.position, 0.0, 0.0] if paper else _on_axis(machine, index, hinge.position)
+            joint.stiffness[0], joint.damping[0] = hinge.stiffness, hinge.damping
+        scene.draw_segment(spec, body, machine, index, k, cuts[k], cuts[k + 1])
+        for number, x in enumerate(markers):
+            if cuts[k] <= x < cuts[k + 1] or (x == 0.0 and k == len(inertias) - 1):
+                name = f"marker{len(markers) * index + number + 1}"
+                body.add_site(name=name, pos=_on_axis(machine, index, x), size=[0.05, 0, 0], rgba=[1, 0.85, 0, 1])
+    body.add_site(name=f"imu_{link.name}", size=[0.03, 0, 0], rgba=[0.1, 0.4, 0.9, 1])
+    return body
+
+
+def _on_axis(machine: Machine, index: int, x: float) -> Array:
+    """Point of the neutral axis in the link-tip frame, (3,), m."""
+    link = machine.links[index]
+    ramp = machine.offset_profile.kind == "ramp"
+    return np.array([x, 0.0, link.offset * x / link.length if ramp else 0.0])
+
+
+def _add_drive(body: mujoco.MjsBody, machine: Machine, number: int, pos: Array, axis: Array) -> None:
+    drive, name = machine.drives[number], f"joint{number + 1}"
+    joint = body.add_joint(name=name, pos=pos, axis=axis, range=drive.range)
+    joint.damping[0] = drive.viscous_friction
+
+
+def _tune_drives(spec: mujoco.MjSpec, machine: Machine) -> None:
+    """Position servos stiff enough to hold the stretched boom, in the order of the joints, before the rope."""
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    inertia = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, inertia)
+    for number, drive in enumerate(machine.drives):
+        omega = 2 * np.pi * DRIVE_FREQUENCY
+        own = float(inertia[model.joint(f"joint{number + 1}").dofadr[0]][model.joint(f"joint{number + 1}").dofadr[0]])
+        servo = spec.add_actuator(
+            name=f"drive{number + 1}",
+            target=f"joint{number + 1}",
+            trntype=mujoco.mjtTrn.mjTRN_JOINT,
+            ctrlrange=drive.range,
+            ctrllimited=True,
+        )
+        servo.set_to_position(kp=own * omega**2, kv=1.4 * own * omega)
+
+
+def _set_inertia(body: mujoco.MjsBody, inertia: RigidInertia) -> None:
+    tensor = inertia.tensor
+    body.explicitinertial = True
+    body.mass, body.ipos = inertia.mass, inertia.center
+    body.fullinertia = [*np.diag(tensor), tensor[0, 1], tensor[0, 2], tensor[1, 2]]
