@@ -80,6 +80,7 @@ def build(machine: Machine, hinges: int = 1) -> BoomModel:
         body = _add_link(spec, body, machine, index, chains[index])
     body.add_site(name="tip", size=[0.06, 0, 0], rgba=[0.9, 0.2, 0.1, 1])
 
+    _add_sensors(spec, machine)
     spec.worldbody.add_site(name="world", size=[0.01, 0, 0])
     for k, axis in enumerate("xyz"):
         rope = spec.add_actuator(name=f"rope_{axis}", target="tip", refsite="world", trntype=mujoco.mjtTrn.mjTRN_SITE)
@@ -129,6 +130,22 @@ def _add_drive(body: mujoco.MjsBody, machine: Machine, number: int, pos: Array, 
     drive, name = machine.drives[number], f"joint{number + 1}"
     joint = body.add_joint(name=name, pos=pos, axis=axis, range=drive.range)
     joint.damping[0] = drive.viscous_friction
+
+
+def _add_sensors(spec: mujoco.MjSpec, machine: Machine) -> None:
+    """Ideal sensors in the order of their names: IMUs at the link tips, marker positions; noise is not MuJoCo's."""
+    for link in machine.links:
+        for kind in ("accelerometer", "gyro"):
+            spec.add_sensor(
+                name=f"{kind}_{link.name}",
+                type=getattr(mujoco.mjtSensor, f"mjSENS_{kind.upper()}"),
+                objtype=mujoco.mjtObj.mjOBJ_SITE,
+                objname=f"imu_{link.name}",
+            )
+    for number in range(len(machine.links) * len(machine.sensors.markers_x)):
+        marker = f"marker{number + 1}"
+        site, position = mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtSensor.mjSENS_FRAMEPOS
+        spec.add_sensor(name=marker, type=position, objtype=site, objname=marker)
 
 
 def _tune_drives(spec: mujoco.MjSpec, machine: Machine) -> None:

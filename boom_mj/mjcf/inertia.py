@@ -1,21 +1,22 @@
 """Rigid inertias for the bodies of a hinged link, physically consistent by construction.
 
-A link's mass points are shared out among its bodies; whatever the shares, every body is a set of positive masses and all
-bodies together are the link. With one hinge per coordinate the shares are tuned: they are the ones between 0 and 1 whose
-outer body moves with the modal mass entries of the shape functions, closest to the share of slope that each point has
-seen. With more hinges a point belongs to the body that it lies on.
+Every body is a set of positive masses on the link's axis, and all bodies together have the link's mass, centre and
+second moment. With one hinge per coordinate the masses are tuned: those whose outer body moves with the modal mass
+entries of the shape functions. With more hinges every mass belongs to the body that it lies on.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import lsq_linear
+from scipy.optimize import nnls
 
 from boom_mj.machine import Machine, ritz_shapes, sections
 from boom_mj.mjcf.hinges import HingeChain
 
 Array = np.ndarray
-PRIOR_WEIGHT = 1e-3  # of the natural shares against the modal mass entries
+GRID = 33  # places along a link where tuned masses may sit
+EXACT = 1e4  # weight of the link's own mass and moments against the modal mass entries
+PRIOR_WEIGHT = 1e-3
 
 
 @dataclass(frozen=True)
@@ -29,19 +30,17 @@ class RigidInertia:
 
 def segment_inertias(machine: Machine, index: int, chains: dict[str, HingeChain]) -> tuple[RigidInertia, ...]:
     """Inertias of the bodies of one link, root outward: one more than its hinges per coordinate."""
-    link, cuts = machine.links[index], segment_cuts(chains)
+    cuts = segment_cuts(chains)
     x, mass, inertia = _mass_points(machine, index, cuts)
+    inside = np.searchsorted(cuts, x)
+    bodies = [(x[inside == k], mass[inside == k], float(inertia[inside == k].sum())) for k in range(len(cuts) + 1)]
     if len(cuts) == 1:
-        outer, outer_spin = _tuned_shares(machine, index, chains, x, mass, inertia)
-        shares, spins = np.stack([1 - outer, outer]), np.stack([1 - outer_spin, outer_spin])
-    else:
-        inside = np.searchsorted(cuts, x)
-        shares = spins = np.stack([inside == k for k in range(len(cuts) + 1)]).astype(float)
-    position = np.stack([x, np.zeros_like(x), sections.offset(link, machine.offset_profile.kind, x) - link.offset])
-    return tuple(
-        _rigid(position, mass * share, float(inertia @ spin), beam_axis(machine, index))
-        for share, spin in zip(shares, spins)
-    )
+        spin = float(inertia @ ritz_shapes(machine)[index]["torsion"](x) ** 2)  # the twist's own entry
+        bodies = [
+            (place, share, part)
+            for (place, share), part in zip(_tuned_masses(machine, index, chains, x, mass), (inertia.sum() - spin, spin))
+        ]
+    return tuple(_rigid(machine, index, *body) for body in bodies)
 
 
 def segment_cuts(chains: dict[str, HingeChain]) -> Array:
@@ -70,35 +69,46 @@ def _mass_points(machine: Machine, index: int, cuts: Array) -> tuple[Array, Arra
     )
 
 
-def _tuned_shares(
-    machine: Machine, index: int, chains: dict[str, HingeChain], x: Array, mass: Array, inertia: Array
-) -> tuple[Array, Array]:
-    """Shares of mass and of rotary inertia that move with the outer body."""
+def _tuned_masses(
+    machine: Machine, index: int, chains: dict[str, HingeChain], x: Array, mass: Array
+) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """Masses (places, kg) for the inner and the outer body of a link with one hinge per coordinate.
+
+    Non-negative masses on a grid of places, together with the mass, first and second moment of the link; the outer ones
+    meet the modal mass entries int m zeta, int m zeta (l + x), int m zeta^2 of both bending shapes.
+    """
     link, shapes = machine.links[index], ritz_shapes(machine)[index]
-    rows, targets, prior = [], [], np.zeros_like(x)
+    grid = np.linspace(-link.length, 0.0, GRID)
+    lever, lever_points, none = grid + link.length, x + link.length, np.zeros(GRID)
+    rows, targets = [], []
+    for power in range(3):
+        rows.append(np.tile(lever**power, 2) / (mass @ lever_points**power) * EXACT)
+        targets.append(EXACT)
     for axis in ("v", "w"):
-        shape, hinge = shapes[axis], chains[axis].hinges[0]
-        swing, lever = hinge.gain * (x - hinge.position), x + link.length
+        hinge, zeta = chains[axis].hinges[0], shapes[axis](x)
+        swing = hinge.gain * (grid - hinge.position)
         for row, target in (
-            (mass * swing, mass @ shape(x)),
-            (mass * swing * lever, mass @ (shape(x) * lever)),
-            (mass * swing**2, mass @ shape(x) ** 2),
+            (swing, mass @ zeta),
+            (swing * lever, mass @ (zeta * lever_points)),
+            (swing**2, mass @ zeta**2),
         ):
-            rows.append(row / target)
+            rows.append(np.append(none, row) / target)
             targets.append(1.0)
-        prior += np.clip(shape.slope(x) / hinge.gain, 0, 1) / 2
-    rows.append(PRIOR_WEIGHT * np.eye(x.size))
-    targets.append(PRIOR_WEIGHT * prior)
-    shares = lsq_linear(np.vstack(rows), np.hstack(targets), (0, 1), tol=1e-12).x
-    twist = shapes["torsion"](x)
-    return shares, twist**2  # meets the self entry of the twist
+    scale = PRIOR_WEIGHT / mass.sum()  # picks the smoothest of the many mass distributions that do
+    system = np.vstack([*rows, scale * np.eye(2 * GRID)])
+    found = nnls(system, np.append(targets, np.zeros(2 * GRID)))[0]
+    return (grid, found[:GRID]), (grid, found[GRID:])
 
 
-def _rigid(position: Array, mass: Array, inertia: float, axis: Array) -> RigidInertia:
+def _rigid(machine: Machine, index: int, x: Array, mass: Array, inertia: float) -> RigidInertia:
+    """One body from masses on the neutral axis and its rotary inertia about it (kg m^2)."""
+    link, axis = machine.links[index], beam_axis(machine, index)
+    position = np.stack([x, np.zeros_like(x), sections.offset(link, machine.offset_profile.kind, x) - link.offset])
     total = float(mass.sum())
     center = position @ mass / total
     r = position - center[:, None]
     spread = (r * mass) @ r.T
-    tensor = np.trace(spread) * np.eye(3) - spread
+    # a short stretch of box turns about its width and height too: half its rotary inertia each, if the line has less
     across = (np.eye(3) - np.outer(axis, axis)) * max(0.0, 0.505 * inertia - np.trace(spread))
-    return RigidInertia(total, center, tensor + inertia * np.outer(axis, axis) + across)
+    tensor = np.trace(spread) * np.eye(3) - spread + inertia * np.outer(axis, axis) + across
+    return RigidInertia(total, center, tensor)

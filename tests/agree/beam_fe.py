@@ -11,6 +11,7 @@ A displacement is (nodes, 6): translation in m and rotation vector in rad; model
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array
@@ -49,8 +50,8 @@ def element(nodes: tuple[int, int], axes: Array, start: float, length: float, la
     """The element over s in [start, start + length] with `axes` (3, 3) as columns in model axes."""
     point, weight = np.polynomial.legendre.leggauss(4)  # exact: quartic EI, linear mass
     xi, weight, h = (point + 1) / 2, weight * length / 2, length
-    cubic = np.stack([1 - 3 * xi**2 + 2 * xi**3, h * (xi - 2 * xi**2 + xi**3), 3 * xi**2 - 2 * xi**3, h * (xi**3 - xi**2)])
-    slope = np.stack([(xi**2 - xi) * 6 / h, 1 - 4 * xi + 3 * xi**2, (xi - xi**2) * 6 / h, 3 * xi**2 - 2 * xi])
+    cubic = np.stack([1 - 3 * xi**2 + 2 * xi**3, h * xi * (1 - xi) ** 2, 3 * xi**2 - 2 * xi**3, h * xi**2 * (xi - 1)])
+    slope = np.stack([6 * xi * (xi - 1) / h, (1 - xi) * (1 - 3 * xi), 6 * xi * (1 - xi) / h, xi * (3 * xi - 2)])
     bend = np.stack([(12 * xi - 6) / h**2, (6 * xi - 4) / h, (6 - 12 * xi) / h**2, (6 * xi - 2) / h])
     line, strain = np.stack([1 - xi, xi]), np.stack([-np.ones(4), np.ones(4)]) / h
     v, w, signs = (1, 5, 7, 11), (2, 4, 8, 10), np.array([[1.0], [-1.0], [1.0], [-1.0]])  # rotation about own y is -w'
@@ -63,9 +64,8 @@ def element(nodes: tuple[int, int], axes: Array, start: float, length: float, la
 
     m, theta, ea, ei_v, ei_w, gj = law(start + h * xi)
     mass = square(m, ((0, 6), line), (v, cubic), (w, signs * cubic)) + square(theta, ((3, 9), line))
-    stiffness = (
-        square(ea, ((0, 6), strain)) + square(gj, ((3, 9), strain)) + square(ei_v, (v, bend)) + square(ei_w, (w, signs * bend))
-    )
+    stiffness = square(ea, ((0, 6), strain)) + square(gj, ((3, 9), strain))
+    stiffness += square(ei_v, (v, bend)) + square(ei_w, (w, signs * bend))
     turn = np.kron(np.eye(4), axes.T)
     turn[:3, 3:6] = axes.T @ -cross(lever)  # u at the lever's end = u + rotation x lever
     return Element(nodes, turn, mass, stiffness, square(np.ones(4), (v, slope), (w, signs * slope)))
@@ -151,7 +151,10 @@ class BeamModel:
         return float(plane @ self.mass @ plane / (model.ravel() @ self.mass @ model.ravel()))
 
     def joint_torques(self, force_on_tip: Array = (0.0, 0.0, 0.0), gravity: bool = True) -> Array:
-        """Torques (5,), N m, that the joints exert on the boom in static equilibrium, positive with their angles."""
+        """Torques (5,), N m, that the joints exert on the boom in static equilibrium, positive with their angles.
+
+        On the undeformed shape; with `geometric` on the deformed one, where joint 1 suffers from what that leaves out.
+        """
         load = self.load(force_on_tip, gravity)
         displacement = self.solve(load)
         reaction = self.to_world((self.stiffness @ displacement.ravel() - load.ravel()).reshape(-1, 6))
@@ -195,11 +198,10 @@ def beam_model(machine: Machine, angles: Array, elements: int = 40, geometric: b
         own = np.stack([own_x, frame[:, 1], np.cross(own_x, frame[:, 1])], axis=1)
         places = _places(link, [x for x, _ in points], elements)
         number = len(nodes) - 1 + np.arange(places.size)
-        start = nodes[-1] + lever
-        nodes += [start + own_x * s for s in (places[1:] + link.length) * stretch]
-        for a, b, x0, x1 in zip(number, number[1:], places, places[1:]):
-            arm, s0, s1 = lever * (a == number[0]), (x0 + link.length) * stretch, (x1 + link.length) * stretch
-            parts.append(element((int(a), int(b)), own, s0, s1 - s0, _law(link, stretch), arm))
+        along = (places + link.length) * stretch
+        nodes += list(nodes[-1] + lever + along[1:, None] * own_x)
+        for a, (s0, s1) in zip(number.tolist(), pairwise(along)):
+            parts.append(element((a, a + 1), own, s0, s1 - s0, _law(link, stretch), lever * (a == number[0])))
         masses += [(number[np.argmin(abs(places - x))], m) for x, m in points]
         link_nodes.append(number)
         if link.support is not None:
@@ -230,11 +232,10 @@ def _turn_about_z(angle: float) -> Array:
 
 def _places(link: Link, points: Sequence[float], elements: int) -> Array:
     """Node places x on a link, root outward: evenly between the places that must be nodes."""
-    musts = {-link.length, 0.0, *points} | ({link.support} if link.support is not None else set())
-    corners = sorted(musts)
-    cuts = [max(1, round(elements * (b - a) / link.length)) for a, b in zip(corners, corners[1:])]
-    inner = [np.linspace(a, b, n + 1)[1:] for a, b, n in zip(corners, corners[1:], cuts)]
-    return np.concatenate([corners[:1], *inner])
+    corners = sorted({-link.length, 0.0, *points, *([] if link.support is None else [link.support])})
+    counts = [max(1, round(elements * (b - a) / link.length)) for a, b in pairwise(corners)]
+    pieces = [np.linspace(a, b, n + 1)[1:] for (a, b), n in zip(pairwise(corners), counts)]
+    return np.concatenate([corners[:1], *pieces])
 
 
 def _law(link: Link, stretch: float) -> SectionLaw:

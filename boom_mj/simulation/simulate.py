@@ -1,0 +1,147 @@
+"""Prescribed joint motion and rope loads, integrated by MuJoCo without Python in the loop.
+
+Drives: every joint carries a huge armature A and a servo of frequency omega whose reference is fed forward,
+u = q_ref + qdd_ref / omega^2, so that the boom cannot push it off its path: the tracking error is torque / (A omega^2).
+What the servo exerts beyond accelerating A is the drive torque.
+"""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from mujoco.batch import Batch
+
+from boom_mj.errors import SimulationError
+from boom_mj.machine import cylinder_forces
+from boom_mj.simulation.experiments import Experiment
+from boom_mj.simulation.plant import JOINTS, Plant
+
+Array = np.ndarray
+ARMATURE = 1e11  # kg m^2, five orders above the boom's own inertia
+SERVO = 2 * np.pi * 2.0  # rad/s
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """A simulated motion, sampled at every step.
+
+    Attributes:
+        plant: what moved.
+        time: (n,), s.
+        joints: q1..q5, (n, 5), rad.
+        ritz: elastic Ritz coordinates, (n, 12), rad and m.
+        qpos: (n, nq).
+        qvel: centred at `time` - the integrator's own lie half a step earlier -, (n, nv).
+        joint_torque: drive torques, (n, 5), N m.
+        tip_force: rope force, (n, 3), N.
+        sensordata: ideal sensors of the model, (n, nsensordata).
+    """
+
+    plant: Plant
+    time: Array
+    joints: Array
+    ritz: Array
+    qpos: Array
+    qvel: Array
+    joint_torque: Array
+    tip_force: Array
+    sensordata: Array
+
+    def sensor(self, name: str) -> Array:
+        """One sensor of the model, (n, dim)."""
+        sensor = self.plant.model.sensor(name)
+        return self.sensordata[:, sensor.adr[0] : sensor.adr[0] + sensor.dim[0]]
+
+    @property
+    def cylinder_force(self) -> Array:
+        """Forces of cylinders 2 and 3, (n, 2), N."""
+        return cylinder_forces(self.plant.machine, self.joints, self.joint_torque)
+
+
+def driven_model(plant: Plant) -> mujoco.MjModel:
+    """A copy of the plant's model whose joints follow their reference whatever the boom does."""
+    model = plant.boom.spec.copy().compile()
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_LIMIT | mujoco.mjtDisableBit.mjDSBL_CONTACT
+    model.dof_armature[plant.joints] = ARMATURE
+    for k in range(JOINTS):
+        drive = model.actuator(f"drive{k + 1}")
+        drive.gainprm[0], drive.biasprm[:3] = ARMATURE * SERVO**2, (0, -ARMATURE * SERVO**2, 0)
+        drive.ctrllimited = False
+    mujoco.mj_setConst(model, mujoco.MjData(model))
+    return model
+
+
+def run_experiment(plant: Plant, experiment: Experiment) -> Trajectory:
+    """Simulate an experiment from rest.
+
+    Raises:
+        ExperimentError: the machine cannot follow it.
+        SimulationError: MuJoCo left the numbers.
+    """
+    experiment.check(plant.machine)
+    time = step_times(plant, experiment.duration)
+    return run(plant, experiment.joint_path(time)[0], experiment.tip_force(time))
+
+
+def step_times(plant: Plant, duration: float) -> Array:
+    """Times of the integrator's steps from 0 to past `duration`, (n,), s."""
+    step = plant.model.opt.timestep
+    return step * np.arange(int(np.ceil(duration / step - 1e-9)) + 1)
+
+
+def run(plant: Plant, angles: Array, tip_force: Array) -> Trajectory:
+    """Simulate a joint motion given at every step, from static equilibrium.
+
+    Args:
+        angles: q1..q5 at the steps, (n, 5), rad.
+        tip_force: world frame, (n, 3), N.
+
+    Raises:
+        SimulationError: the state is no longer finite; the time is named.
+    """
+    model, step = driven_model(plant), plant.model.opt.timestep
+    path = np.vstack([2 * angles[0] - angles[1], angles, 2 * angles[-1] - angles[-2]])
+    speed = np.diff(path, axis=0) / step  # (n + 1, 5): half a step before and after each time
+    control = np.zeros((len(angles), model.nu))
+    drives = [model.actuator(f"drive{k + 1}").id for k in range(JOINTS)]
+    control[:, drives] = angles + np.diff(speed, axis=0) / step / SERVO**2
+    control[:, [model.actuator(f"rope_{axis}").id for axis in "xyz"]] = tip_force
+
+    batch = Batch(model, 1, 1)
+    batch.qpos[0] = start = plant.static_equilibrium(angles[0], tip_force[0])
+    batch.qvel[0] = 0
+    batch.qvel[0, plant.joints] = speed[0]
+    first_speed = batch.qvel[0].copy()
+    record = batch.rollout(len(angles), control[None], record=("qpos", "qvel", "qacc", "sensordata", "actuator_force"))
+    warned = batch.warning[0]
+    last = record["qpos"][0, -1]
+    if not np.all(np.isfinite(last)) or any(np.atleast_1d(warned["number"])):
+        finite = np.all(np.isfinite(record["qpos"][0]), axis=1) & (np.abs(record["qpos"][0]).max(axis=1) < 1e3)
+        when = step * (len(finite) if finite.all() else int(np.argmin(finite)))
+        raise SimulationError(f"the simulation of {plant.machine.name} left the numbers at about t = {when:.3f} s")
+
+    # recorded states lie after each step, all that derives from them before it
+    qpos = np.vstack([start, record["qpos"][0, :-1]])
+    late = record["qvel"][0]
+    qvel = (np.vstack([first_speed, late[:-1]]) + late) / 2
+    torque = record["actuator_force"][0][:, drives] - ARMATURE * record["qacc"][0][:, plant.joints]
+    return Trajectory(
+        plant=plant,
+        time=step * np.arange(len(angles)),
+        joints=qpos[:, plant.joints],
+        ritz=qpos @ plant.ritz.T,
+        qpos=qpos,
+        qvel=qvel,
+        joint_torque=torque,
+        tip_force=np.asarray(tip_force),
+        sensordata=_centre_gyros(model, record["sensordata"][0]),
+    )
+
+
+def _centre_gyros(model: mujoco.MjModel, data: Array) -> Array:
+    """Angular rates come from velocities half a step old: average them with the next."""
+    data = data.copy()
+    for k in np.flatnonzero(model.sensor_type == mujoco.mjtSensor.mjSENS_GYRO):
+        rate = slice(model.sensor_adr[k], model.sensor_adr[k] + 3)
+        data[:-1, rate] = (data[:-1, rate] + data[1:, rate]) / 2
+    return data
