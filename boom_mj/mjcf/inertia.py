@@ -15,7 +15,7 @@ from boom_mj.mjcf.hinges import HingeChain
 
 Array = np.ndarray
 GRID = 33  # places along a link where tuned masses may sit
-EXACT = 1e4  # weight of the link's own mass and moments against the modal mass entries
+EXACT = 1e5  # weight of the link's own mass and moments against the modal mass entries
 PRIOR_WEIGHT = 1e-3
 
 

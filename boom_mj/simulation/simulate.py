@@ -115,7 +115,7 @@ def run(plant: Plant, angles: Array, tip_force: Array) -> Trajectory:
     record = batch.rollout(len(angles), control[None], record=("qpos", "qvel", "qacc", "sensordata", "actuator_force"))
     warned = batch.warning[0]
     last = record["qpos"][0, -1]
-    if not np.all(np.isfinite(last)) or any(np.atleast_1d(warned["number"])):
+    if not np.all(np.isfinite(last)) or warned.any():
         finite = np.all(np.isfinite(record["qpos"][0]), axis=1) & (np.abs(record["qpos"][0]).max(axis=1) < 1e3)
         when = step * (len(finite) if finite.all() else int(np.argmin(finite)))
         raise SimulationError(f"the simulation of {plant.machine.name} left the numbers at about t = {when:.3f} s")
