@@ -18,6 +18,7 @@ from boom_mj.recording import Recording, Signal, signal_of_kind
 
 Array = np.ndarray
 NANO = 1_000_000_000
+MAGIC = b"\x89MCAP0\r\n"  # opens and closes every MCAP file
 
 
 def write_mcap(recording: Recording, path: Path | str) -> None:
@@ -57,6 +58,7 @@ def read_mcap(path: Path | str) -> Recording:
     name = machine = description = ""
     try:
         with open(path, "rb") as stream:
+            _refuse_fragments(stream, path)
             reader = make_reader(stream)
             for record in reader.iter_metadata():
                 if record.name == "experiment":
@@ -88,6 +90,17 @@ def read_mcap(path: Path | str) -> Recording:
     for topic_name, (times, values) in rows.items():
         signals.update(_signals(f"{path}: {topic_name}", topic_name, np.array(times), values))
     return Recording(name or Path(path).stem, machine, description, signals)
+
+
+def _refuse_fragments(stream: BinaryIO, path: Path | str) -> None:
+    """What does not begin and end with the mark of MCAP is another file, or part of one."""
+    start = stream.read(len(MAGIC))
+    if start != MAGIC:
+        raise LogError(f"{path}: not an MCAP file")
+    stream.seek(-len(MAGIC), os.SEEK_END)
+    if stream.read() != MAGIC or stream.tell() < 2 * len(MAGIC):
+        raise LogError(f"{path}: cut off after {stream.tell()} bytes, its end is missing")
+    stream.seek(0)
 
 
 def _signals(place: str, topic: str, time: Array, values: list[Any]) -> dict[str, Signal]:

@@ -1,23 +1,24 @@
-"""Recordings: the signals of one run of a machine, real or simulated."""
+"""A recording: named signals of one experiment on one machine."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
+from typing import Any
 
 from boom_mj.errors import LogError
-from boom_mj.recording.names import KINDS
-from boom_mj.recording.signal import Array, Signal
+from boom_mj.recording.names import check_quantity
+from boom_mj.recording.signal import Signal
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Recording:
-    """Signals by name (see `names.KINDS`), with what the run was.
+    """Signals of one experiment, measured or simulated; `recording["joint/position"]` gives one of them.
 
     Attributes:
-        name: of the experiment.
+        name: experiment, such as "release_stretched_vertical".
         machine: name of the machine.
-        description: one sentence.
-        signals: name to signal.
+        description: one sentence on what happened.
+        signals: by name; those of `QUANTITIES` have its units, frames and channels. Each has its own times.
     """
 
     name: str
@@ -26,26 +27,28 @@ class Recording:
     signals: Mapping[str, Signal]
 
     def __post_init__(self) -> None:
+        for name, signal in self.signals.items():
+            check_quantity(name, signal)
         object.__setattr__(self, "signals", MappingProxyType(dict(self.signals)))
 
     def __getitem__(self, name: str) -> Signal:
-        try:
-            return self.signals[name]
-        except KeyError:
-            held = ", ".join(self.signals) or "nothing"
-            raise LogError(f"recording {self.name!r} has no signal {name!r}; it holds: {held}") from None
+        if name not in self.signals:
+            there = ", ".join(self.signals) or "no signals at all"
+            raise LogError(f"recording '{self.name}' has no signal '{name}'; it has {there}")
+        return self.signals[name]
 
-    def __contains__(self, name: str) -> bool:
+    def __contains__(self, name: object) -> bool:
         return name in self.signals
+
+    def __reduce__(self) -> tuple[Any, ...]:  # a mapping proxy alone cannot travel to another process
+        return Recording, (self.name, self.machine, self.description, dict(self.signals))
 
     @property
     def duration(self) -> float:
-        """From the first sample of any signal to the last, s."""
-        spans = [(s.time[0], s.time[-1]) for s in self.signals.values() if len(s.time)]
-        return max(stop for _, stop in spans) - min(start for start, _ in spans) if spans else 0.0
+        """From the first sample of any signal to the last of any, s; 0 without signals."""
+        times = [signal.time for signal in self.signals.values()]
+        return float(max(t[-1] for t in times) - min(t[0] for t in times)) if times else 0.0
 
-
-def signal_of_kind(name: str, time: Array, values: Array) -> Signal:
-    """A signal with the unit, frame and channels that its name stands for."""
-    kind = KINDS[name]
-    return Signal(time, values.reshape(len(time), -1), kind.channels, kind.unit, kind.frame)
+    def with_signals(self, signals: Mapping[str, Signal]) -> "Recording":
+        """The same recording with signals added or replaced."""
+        return replace(self, signals={**self.signals, **signals})

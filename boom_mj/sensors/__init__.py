@@ -1,0 +1,11 @@
+"""From a simulated motion to the recording that the machine's sensors would make of it."""
+
+from boom_mj.sensors.measure import ideal_signals as ideal_signals
+from boom_mj.sensors.measure import measure as measure
+from boom_mj.sensors.measure import noise_levels as noise_levels
+from boom_mj.sensors.measure import sample as sample
+from boom_mj.sensors.measure import sample_rates as sample_rates
+from boom_mj.sensors.replay import Group as Group
+from boom_mj.sensors.replay import Replay as Replay
+from boom_mj.sensors.replay import compare as compare
+from boom_mj.sensors.replay import replay as replay

@@ -1,0 +1,71 @@
+"""What the machine's sensors say of a simulated motion: rates, and noise if asked for."""
+
+import numpy as np
+
+from boom_mj.machine import Machine, cylinder_lengths
+from boom_mj.recording import Recording, Signal, signal_of_kind
+from boom_mj.simulation import Trajectory
+
+Array = np.ndarray
+
+
+def ideal_signals(trajectory: Trajectory) -> dict[str, Signal]:
+    """Every sensor without noise, at the steps of the simulation."""
+    machine, time = trajectory.plant.machine, trajectory.time
+    found = {"joint/position": trajectory.joints}
+    for link in machine.links:
+        found[f"imu/{link.name}/specific_force"] = trajectory.sensor(f"accelerometer_{link.name}")
+        found[f"imu/{link.name}/angular_rate"] = trajectory.sensor(f"gyro_{link.name}")
+    markers = len(machine.links) * len(machine.sensors.markers_x)
+    found["markers"] = np.hstack([trajectory.sensor(f"marker{k + 1}") for k in range(markers)])
+    found["cylinder/force"] = trajectory.cylinder_force
+    found["cylinder/length"] = cylinder_lengths(machine, trajectory.joints)
+    found["load"] = trajectory.tip_force
+    return {name: signal_of_kind(name, time, values) for name, values in found.items()}
+
+
+def sample_rates(machine: Machine) -> dict[str, float]:
+    """Rate of every signal, Hz, by the machine file; what is known rather than measured comes at the joints' rate."""
+    rates = machine.sensors.rates_hz
+    imus = {f"imu/{link.name}/{kind}": rates.imu for link in machine.links for kind in ("specific_force", "angular_rate")}
+    cylinder = {"cylinder/force": rates.cylinder, "cylinder/length": rates.cylinder}
+    return {"joint/position": rates.joint, **imus, "markers": rates.marker, **cylinder, "load": rates.joint}
+
+
+def noise_levels(machine: Machine) -> dict[str, Array]:
+    """Standard deviation of every channel of the noisy signals, in their units."""
+    noise = machine.sensors.noise
+    levels = {"joint/position": np.full(5, np.radians(noise.joint_deg))}
+    for link in machine.links:
+        levels[f"imu/{link.name}/specific_force"] = np.full(3, noise.accelerometer)
+        levels[f"imu/{link.name}/angular_rate"] = np.full(3, noise.gyroscope)
+    marker = [noise.marker_xz, noise.marker_y, noise.marker_xz]
+    levels["markers"] = np.array(marker * len(machine.links) * len(machine.sensors.markers_x))
+    levels["cylinder/force"] = np.full(2, noise.cylinder_force)
+    return levels
+
+
+def measure(
+    trajectory: Trajectory, name: str, description: str, duration: float, rng: np.random.Generator | None = None
+) -> Recording:
+    """The recording that the machine's sensors would make.
+
+    Args:
+        duration: s; samples lie at 0, 1/rate, .. up to it.
+        rng: draws the noise; None leaves it out.
+    """
+    machine = trajectory.plant.machine
+    signals, levels = ideal_signals(trajectory), noise_levels(machine)
+    sampled = {}
+    for signal, rate in sample_rates(machine).items():
+        time = np.arange(int(np.floor(duration * rate + 1e-9)) + 1) / rate
+        values = sample(signals[signal], time)
+        if rng is not None and signal in levels:
+            values = values + rng.normal(size=values.shape) * levels[signal]
+        sampled[signal] = signal_of_kind(signal, time, values)
+    return Recording(name, machine.name, description, sampled)
+
+
+def sample(signal: Signal, time: Array) -> Array:
+    """Values at the given times, (m, k), linear between steps."""
+    return np.stack([np.interp(time, signal.time, column) for column in signal.values.T], axis=1)

@@ -1,0 +1,105 @@
+"""Replay: the joint angles and the known load of a log drive the model; its twin is compared channel by channel."""
+
+import time as clock
+from dataclasses import dataclass
+
+import numpy as np
+
+from boom_mj.errors import LogError
+from boom_mj.recording import Recording, resample, signal_of_kind
+from boom_mj.sensors.measure import ideal_signals, noise_levels, sample
+from boom_mj.simulation import Plant, Trajectory, run, smooth_angles, step_times
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Group:
+    """How far twin and log are apart in one channel group.
+
+    Attributes:
+        name: sensor and direction: imu/link5 accelerometer y, markers link4 z, cylinder3, ...
+        rms: of measured - simulated, in `unit`.
+        noise: standard deviation of the sensor.
+        ratio: rms / noise.
+    """
+
+    name: str
+    unit: str
+    rms: float
+    noise: float
+
+    @property
+    def ratio(self) -> float:
+        return self.rms / self.noise if self.noise else float("inf")
+
+
+@dataclass(frozen=True)
+class Replay:
+    """A log, its simulated twin at the log's own times, and the comparison."""
+
+    log: Recording
+    twin: Recording
+    trajectory: Trajectory
+    groups: tuple[Group, ...]
+    loop_wall_s: float
+
+
+def replay(plant: Plant, log: Recording) -> Replay:
+    """Drive the model with a log.
+
+    Raises:
+        LogError: the log has no joint angles, too few of them, or holes in them.
+    """
+    joints = log["joint/position"]
+    holes = ~np.isfinite(joints.values)
+    if len(joints.time) < 20 or holes.any():
+        row, column = np.argwhere(holes)[0] if holes.any() else (0, 0)
+        what = f"{joints.channels[column]} is not a number at {joints.time[row]:.3f} s" if holes.any() else "too short"
+        raise LogError(f"log {log.name!r}: the joint angles cannot drive the model: {what}")
+    start, noise = joints.time[0], noise_levels(plant.machine)
+    steps = step_times(plant, joints.time[-1] - start)
+    angles = smooth_angles(joints.time - start, joints.values, noise["joint/position"][0], steps)
+    force = np.zeros((len(steps), 3))
+    if "load" in log:
+        load = log["load"]
+        force = resample(load, np.clip(steps + start, load.time[0], load.time[-1])).values
+    began = clock.perf_counter()
+    trajectory = run(plant, angles, force)
+    wall = clock.perf_counter() - began
+
+    ideal = ideal_signals(trajectory)
+    twin = {
+        name: signal_of_kind(name, signal.time, sample(ideal[name], signal.time - start))
+        for name, signal in log.signals.items()
+        if name in ideal
+    }
+    recording = Recording(log.name, plant.machine.name, f"simulated twin: {log.description}", twin)
+    return Replay(log, recording, trajectory, compare(log, recording, noise), wall)
+
+
+def compare(log: Recording, twin: Recording, noise: dict[str, Array]) -> tuple[Group, ...]:
+    """Root mean square of log - twin in every channel group, against the sensor's noise."""
+    groups = []
+    for name, level in noise.items():
+        if name not in log or name not in twin or name == "joint/position":
+            continue
+        signal = log[name]
+        difference = signal.values - twin[name].values
+        for group, columns in _groups(name, signal.channels).items():
+            part = difference[:, columns]
+            rms = float(np.sqrt(np.nanmean(part**2))) if np.isfinite(part).any() else float("nan")
+            groups.append(Group(group, signal.unit, rms, float(level[columns[0]])))
+    return tuple(groups)
+
+
+def _groups(name: str, channels: tuple[str, ...]) -> dict[str, list[int]]:
+    """Channel groups of a signal: name to columns."""
+    if name == "markers":
+        found: dict[str, list[int]] = {}
+        for column, channel in enumerate(channels):
+            number, axis = int(channel[len("marker") : channel.index("/")]), channel[-1]
+            found.setdefault(f"markers/link{2 + (number - 1) // 3}/{axis}", []).append(column)
+        return found
+    stem = "cylinder" if name.startswith("cylinder") else name
+    return {(channel if stem == "cylinder" else f"{name}/{channel}"): [k] for k, channel in enumerate(channels)}
