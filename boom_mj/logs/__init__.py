@@ -1,5 +1,5 @@
-"""Recordings to and from files."""
+"""Logs: recordings as MCAP files of ROS 2 messages, which the usual robotics tools open unaided."""
 
-from boom_mj.logs.mcap import read_mcap as read_mcap
-from boom_mj.logs.mcap import whole_file as whole_file
-from boom_mj.logs.mcap import write_mcap as write_mcap
+from boom_mj.logs.reading import read_mcap as read_mcap
+from boom_mj.logs.writing import whole_file as whole_file
+from boom_mj.logs.writing import write_mcap as write_mcap

@@ -37,7 +37,7 @@ class Signal:
     def __post_init__(self) -> None:
         time, values = (_read_only(array) for array in (self.time, self.values))
         channels = tuple(self.channels)
-        if time.ndim != 1 or time.size == 0 or values.shape != (time.size, len(channels)):
+        if time.ndim != 1 or time.size == 0 or not channels or values.shape != (time.size, len(channels)):
             raise LogError(
                 f"a signal needs times (n,) with n > 0 and values (n, {len(channels)}) for its channels "
                 f"{', '.join(channels)}; got {time.shape} and {values.shape}"

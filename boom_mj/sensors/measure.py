@@ -3,7 +3,7 @@
 import numpy as np
 
 from boom_mj.machine import Machine, cylinder_lengths
-from boom_mj.recording import Recording, Signal, signal_of_kind
+from boom_mj.recording import Recording, Signal, named_signal
 from boom_mj.simulation import Trajectory
 
 Array = np.ndarray
@@ -21,7 +21,7 @@ def ideal_signals(trajectory: Trajectory) -> dict[str, Signal]:
     found["cylinder/force"] = trajectory.cylinder_force
     found["cylinder/length"] = cylinder_lengths(machine, trajectory.joints)
     found["load"] = trajectory.tip_force
-    return {name: signal_of_kind(name, time, values) for name, values in found.items()}
+    return {name: named_signal(name, time, values) for name, values in found.items()}
 
 
 def sample_rates(machine: Machine) -> dict[str, float]:
@@ -62,10 +62,10 @@ def measure(
         values = sample(signals[signal], time)
         if rng is not None and signal in levels:
             values = values + rng.normal(size=values.shape) * levels[signal]
-        sampled[signal] = signal_of_kind(signal, time, values)
+        sampled[signal] = named_signal(signal, time, values)
     return Recording(name, machine.name, description, sampled)
 
 
 def sample(signal: Signal, time: Array) -> Array:
-    """Values at the given times, (m, k), linear between steps."""
+    """Values at the given times, (m, k), linear between samples and held beyond them."""
     return np.stack([np.interp(time, signal.time, column) for column in signal.values.T], axis=1)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from boom_mj.errors import LogError
-from boom_mj.recording import Recording, resample, signal_of_kind
+from boom_mj.recording import Recording, named_signal
 from boom_mj.sensors.measure import ideal_signals, noise_levels, sample
 from boom_mj.simulation import Plant, Trajectory, run, smooth_angles, step_times
 
@@ -60,17 +60,14 @@ def replay(plant: Plant, log: Recording) -> Replay:
     start, noise = joints.time[0], noise_levels(plant.machine)
     steps = step_times(plant, joints.time[-1] - start)
     angles = smooth_angles(joints.time - start, joints.values, noise["joint/position"][0], steps)
-    force = np.zeros((len(steps), 3))
-    if "load" in log:
-        load = log["load"]
-        force = resample(load, np.clip(steps + start, load.time[0], load.time[-1])).values
+    force = sample(log["load"], steps + start) if "load" in log else np.zeros((len(steps), 3))
     began = clock.perf_counter()
     trajectory = run(plant, angles, force)
     wall = clock.perf_counter() - began
 
     ideal = ideal_signals(trajectory)
     twin = {
-        name: signal_of_kind(name, signal.time, sample(ideal[name], signal.time - start))
+        name: named_signal(name, signal.time, sample(ideal[name], signal.time - start))
         for name, signal in log.signals.items()
         if name in ideal
     }

@@ -1,0 +1,5 @@
+"""`python -m boom_mj`."""
+
+from boom_mj.cli import main
+
+main()

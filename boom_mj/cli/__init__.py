@@ -1,0 +1,29 @@
+"""The command line: one file per command. Exit status 0 done, 1 the work failed, 2 the call was wrong."""
+
+import sys
+
+import typer
+
+from boom_mj.cli import generate, replay, simulate, validate
+from boom_mj.errors import BoomError, InputError
+
+app = typer.Typer(
+    help="Flexible large manipulators in MuJoCo: generate the model, simulate it, replay logs, check it.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+for command in (generate, simulate, replay, validate):
+    app.command(command.__name__.rpartition(".")[2])(command.command)
+
+
+def main() -> None:
+    """Run a command; errors are one sentence on stderr, never a traceback."""
+    try:
+        app()
+    except BoomError as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(2 if isinstance(error, InputError) else 1)
+    except KeyboardInterrupt:
+        print("error: interrupted", file=sys.stderr)
+        sys.exit(1)

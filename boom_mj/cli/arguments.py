@@ -1,0 +1,31 @@
+"""Arguments that several commands share."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from boom_mj.errors import InputError
+from boom_mj.machine import Machine, load_machine
+
+MachineFile = Annotated[str, typer.Argument(metavar="MACHINE.toml", help="Machine file, or a name such as boom36.")]
+Hinges = Annotated[int, typer.Option(min=1, max=32, help="Equivalent hinges per elastic coordinate of each link.")]
+MODELS = tuple(folder / "models" for folder in (Path(__file__).parents[1], Path(__file__).parents[2]))
+
+
+def find_machine(name: str) -> Machine:
+    """A machine from a file, or from the models that come with the package by its name."""
+    if not Path(name).suffix:
+        for folder in MODELS:
+            if (folder / f"{name}.toml").is_file():
+                return load_machine(folder / f"{name}.toml")
+    return load_machine(name)
+
+
+def output_path(path: Path, suffix: str) -> Path:
+    """Refuse an output that cannot be before any work is done."""
+    if path.suffix != suffix:
+        raise InputError(f"{path}: the output of this command is a {suffix} file")
+    if not path.resolve().parent.is_dir():
+        raise InputError(f"{path}: there is no folder {path.resolve().parent}")
+    return path

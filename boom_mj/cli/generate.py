@@ -1,0 +1,27 @@
+"""generate: the machine as an MJCF file."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from boom_mj.cli.arguments import Hinges, MachineFile, find_machine, output_path
+from boom_mj.logs import whole_file
+from boom_mj.mjcf import build
+
+
+def command(
+    machine: MachineFile,
+    output: Annotated[Path | None, typer.Option("-o", metavar="MODEL.xml", help="Where to; stdout if left out.")] = None,
+    hinges: Hinges = 1,
+) -> None:
+    """Write the MJCF model, which stock MuJoCo opens: python -m mujoco.viewer --mjcf=MODEL.xml"""
+    if output is not None:
+        output_path(output, ".xml")
+    text = build(find_machine(machine), hinges).to_xml()
+    if output is None:
+        print(text, end="")
+        return
+    with whole_file(output) as stream:
+        stream.write(text.encode())
+    print(output)
