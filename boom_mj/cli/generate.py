@@ -12,7 +12,9 @@ from boom_mj.mjcf import build
 
 def command(
     machine: MachineFile,
-    output: Annotated[Path | None, typer.Option("-o", metavar="MODEL.xml", help="Where to; stdout if left out.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", metavar="MODEL.xml", help="Where to; stdout if left out.")
+    ] = None,
     hinges: Hinges = 1,
 ) -> None:
     """Write the MJCF model, which stock MuJoCo opens: python -m mujoco.viewer --mjcf=MODEL.xml"""

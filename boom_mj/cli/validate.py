@@ -45,8 +45,8 @@ def _document(name: str, found: list[Agreement]) -> dict:
         "poses": len(found[0].poses),
         "hinges": {
             str(a.hinges): {
-                **figures(a.full),
-                "linear": figures(a.linear),
+                **figures(a.paper),
+                "finite_rotations": figures(a.finite),
                 "mass_matrix_worst": [{"row": r, "column": c, "difference": d} for r, c, d in a.mass_entries],
             }
             for a in found
@@ -57,12 +57,12 @@ def _document(name: str, found: list[Agreement]) -> dict:
 def _table(a: Agreement) -> str:
     lines = [
         f"hinges = {a.hinges}: MuJoCo against the reference over {len(a.poses)} poses, percent",
-        f"{'':14}{'median':>9}{'95 %':>9}{'worst':>9}{'worst, small loads':>20}   worst pose, deg",
+        f"{'':14}{'median':>9}{'95 %':>9}{'worst':>9}{'worst, finite rotations':>25}   worst pose, deg",
     ]
     for k, figure in enumerate(FIGURES):
-        size, small = 100 * np.abs(a.full[:, k]), 100 * np.abs(a.linear[:, k])
+        size, like = 100 * np.abs(a.paper[:, k]), 100 * np.abs(a.finite[:, k])
         pose = " ".join(f"{angle:.0f}" for angle in np.degrees(a.poses[np.argmax(size)]))
-        numbers = f"{np.median(size):9.2f}{np.quantile(size, 0.95):9.2f}{size.max():9.2f}{small.max():20.2f}"
+        numbers = f"{np.median(size):9.2f}{np.quantile(size, 0.95):9.2f}{size.max():9.2f}{like.max():25.2f}"
         lines.append(f"{figure:14}{numbers}   {pose}")
     entries = ", ".join(f"({row}, {column}) {100 * value:+.1f}" for row, column, value in a.mass_entries)
     lines.append(f"mass matrix, worst entries in percent of the root of their diagonal entries: {entries}")

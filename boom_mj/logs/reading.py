@@ -64,13 +64,15 @@ def _check_ends(stream: IO[bytes], path: Path) -> None:
 def _load(stream: IO[bytes], path: Path) -> tuple[Mapping[str, str], Mapping[str, list[bytes]]]:
     """Metadata of the experiment and the raw messages by topic, in the order of their log times."""
     messages: dict[str, list[bytes]] = {}
+    checked: set[int] = set()
     try:
         stream.seek(0)
         reader = SeekingReader(stream, validate_crcs=True)
         labels = next((m.metadata for m in reader.iter_metadata() if m.name == METADATA), {})
         for schema, channel, message in reader.iter_messages(topics=set(TOPIC_NAMED)):
-            if channel.topic not in messages:
+            if channel.id not in checked:
                 _check_type(TOPIC_NAMED[channel.topic], schema.name if schema else "no schema", channel, path)
+                checked.add(channel.id)
             messages.setdefault(channel.topic, []).append(message.data)
     except (LogError, OSError):
         raise

@@ -240,7 +240,9 @@ class Machine(_Frozen):
     def _fits_together(self) -> Self:
         for index, link in enumerate(self.link):
             if link.name != f"link{index + 2}":
-                raise ValueError(f"{link.name!r} stands where 'link{index + 2}' belongs: links come in order, root outward")
+                raise ValueError(
+                    f"{link.name!r} stands where 'link{index + 2}' belongs: links come in order, root outward"
+                )
             if (link.support is not None) != (index == 0):
                 raise ValueError(
                     f"{link.name}.support = {link.support}: link2 has a cylinder support, no other link has one"

@@ -45,10 +45,10 @@ class Shape:
     stiffness: float
     static: StaticCurve
 
-    def __call__(self, x: Array) -> Array:
+    def __call__(self, x: Array | float) -> Array:
         return self.polynomial(x)
 
-    def slope(self, x: Array) -> Array:
+    def slope(self, x: Array | float) -> Array:
         """zeta'(x), 1/m."""
         return self.polynomial.deriv()(x)
 
@@ -93,4 +93,6 @@ def _fit(link: Link, axis: str, static: StaticCurve, basis: tuple[Polynomial, ..
         stiffness=0.0,
         static=static,
     )
-    return replace(shape, stiffness=float(weights @ (STIFFNESS[axis](link, points) * shape.strain(points) ** 2)))  # (23)
+    return replace(
+        shape, stiffness=float(weights @ (STIFFNESS[axis](link, points) * shape.strain(points) ** 2))
+    )  # (23)

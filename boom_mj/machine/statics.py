@@ -5,6 +5,7 @@ The loads at the tip of a link are those of everything outboard of it on the str
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.integrate import solve_bvp
@@ -48,7 +49,7 @@ class StaticCurve:
         """The same curve with value 1 at the tip."""
         tip = float(self.value(np.zeros(1))[0])
         return StaticCurve(
-            *(lambda x, f=f: f(np.asarray(x)) / tip for f in (self.value, self.slope, self.strain)),  # type: ignore[misc]
+            *(lambda x, f=f: f(np.asarray(x)) / tip for f in (self.value, self.slope, self.strain)),
         )
 
 
@@ -84,7 +85,7 @@ def bending(link: Link, stiffness: Density, tip: TipLoad, gravity: float, suppor
     def rate(s: Array, y: Array) -> Array:
         """State per span: v/length, v', moment, shear, scaled; s in [0, 1] runs over every span at once."""
         rows = []
-        for k, (start, stop) in enumerate(zip(spans, spans[1:])):
+        for k, (start, stop) in enumerate(pairwise(spans)):
             x, ratio = start + s * (stop - start), (stop - start) / length
             load = -gravity * sections.line_mass(link, x) * length**2 / moment
             bend = y[4 * k + 2] * tip_stiffness / stiffness(link, x)

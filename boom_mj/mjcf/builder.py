@@ -60,7 +60,7 @@ def build(machine: Machine, hinges: int = 1) -> BoomModel:
     """MuJoCo model of a machine with `hinges` equivalent hinges per elastic coordinate of each link.
 
     Joints `joint1`..`joint5`, elastic hinges `link2_v_1`, ..; sites `tip`, `imu_link2`.., `marker1`..; actuators
-    `drive1`..`drive5` (servo to a joint angle in rad) and `rope_x`, `rope_y`, `rope_z` (force on the tip, world frame, N).
+    `drive1`..`drive5` (servo to a joint angle in rad) and `rope_x`, `rope_y`, `rope_z` (force on the tip, world, N).
     """
     spec = mujoco.MjSpec()
     spec.modelname = machine.name
@@ -71,7 +71,9 @@ def build(machine: Machine, hinges: int = 1) -> BoomModel:
     scene.dress(spec, machine)
 
     turret = spec.worldbody.add_body(name="turret", pos=[0, 0, machine.slewing.pivot_height], quat=[1, 1, 0, 0])
-    _set_inertia(turret, RigidInertia(1e-3, np.zeros(3), 1e-3 * np.eye(3)))  # turns with a drive: its inertia is no matter
+    _set_inertia(
+        turret, RigidInertia(1e-3, np.zeros(3), 1e-3 * np.eye(3))
+    )  # turns with a drive: its inertia is no matter
     scene.draw_turret(turret, machine)
     _add_drive(turret, machine, 0, np.zeros(3), np.array([0.0, 1.0, 0.0]))
 

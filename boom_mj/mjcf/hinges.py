@@ -1,7 +1,7 @@
 """Equivalent hinges: a link's static shape as hinge springs, one chain per elastic coordinate.
 
-A shape zeta(x) is slope gathered along the link. Cut the link into n cells; the slope that cell j gathers becomes the
-angle of one hinge, at the place where its tip displacement is right, with a spring that stores the cell's strain energy:
+A shape zeta(x) is slope gathered along the link. Cut the link into n cells; the slope that cell j gathers becomes
+the angle of one hinge, where its tip displacement is right, with a spring that stores the cell's strain energy:
 
     gain_j = int_j dzeta',    position_j = int_j x dzeta' / gain_j,    stiffness_j = int_j E I zeta''^2 dx / gain_j^2
 
@@ -9,10 +9,11 @@ With one cell this is the hinge at zeta(0) / zeta'(0) from the tip with stiffnes
 polynomial (18), so that it meets the reference model. With more cells the shape is the static solution itself, so that
 the chain converges to the continuous beam. Torsion twists about the beam axis, where its position is free.
 
-Link 2 rests on its cylinder pin: what the stretch from root to pin bends is slope at the pin, gathered by the first cell.
+Link 2 rests on its cylinder pin: what bends between root and pin is slope at the pin, gathered by the first cell.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -78,7 +79,7 @@ def _hinges(machine: Machine, index: int, axis: str, count: int) -> tuple[Hinge,
     supported = axis == "v" and link.support is not None
     stretch = np.hypot(1, link.offset / link.length) if machine.offset_profile.kind == "ramp" and count > 1 else 1.0
     edges, found = cell_edges(link, count, supported), []
-    for start, stop in zip(edges, edges[1:]):
+    for start, stop in pairwise(edges):
         x, weight = _points(start, stop)
         gain, moment = weight @ strain(x), weight @ (strain(x) * x)
         energy = weight @ (shapes.STIFFNESS[axis](link, x) * strain(x) ** 2)

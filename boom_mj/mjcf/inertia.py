@@ -38,7 +38,9 @@ def segment_inertias(machine: Machine, index: int, chains: dict[str, HingeChain]
         spin = float(inertia @ ritz_shapes(machine)[index]["torsion"](x) ** 2)  # the twist's own entry
         bodies = [
             (place, share, part)
-            for (place, share), part in zip(_tuned_masses(machine, index, chains, x, mass), (inertia.sum() - spin, spin))
+            for (place, share), part in zip(
+                _tuned_masses(machine, index, chains, x, mass), (inertia.sum() - spin, spin)
+            )
         ]
     return tuple(_rigid(machine, index, *body) for body in bodies)
 

@@ -63,7 +63,9 @@ def draw_turret(body: mujoco.MjsBody, machine: Machine) -> None:
     _visual(body, CYLINDER, size=[0.16, 0.45, 0], rgba=DARK)
 
 
-def draw_segment(spec: mujoco.MjSpec, body: mujoco.MjsBody, machine: Machine, index: int, number: int, start: float, stop: float) -> None:
+def draw_segment(
+    spec: mujoco.MjSpec, body: mujoco.MjsBody, machine: Machine, index: int, number: int, start: float, stop: float
+) -> None:
     """The stretch of a link's tapered box between two x, with the joint at its end drawn as a pin."""
     link = machine.links[index]
     corners = []

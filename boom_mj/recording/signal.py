@@ -10,7 +10,7 @@ from boom_mj.errors import LogError
 Array = np.ndarray
 
 CLOCK_RESOLUTION = 1e-9  # s, of the stamps in a log
-UNIFORM = 0.01  # largest deviation of a sampling step from the mean one that still counts as uniform
+UNIFORM = 0.01  # largest deviation of a sampling step from the usual one that still counts as uniform
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,11 +130,12 @@ def spectrum(signal: Signal, taper: str = "hann") -> Spectrum:
         LogError: sampling that is not uniform, or a NaN.
     """
     rate_hz, step = signal.rate_hz, np.diff(signal.time)
-    if (uneven := np.flatnonzero(np.abs(step * rate_hz - 1) > UNIFORM)).size:
+    usual = np.median(step)  # the mean would blame every step for one gap
+    if (uneven := np.flatnonzero(np.abs(step / usual - 1) > UNIFORM)).size:
         i = uneven[0]
         raise LogError(
             f"{_names(signal)} is not sampled uniformly: a step of {step[i]:.6f} s at {signal.time[i]:.3f} s, "
-            f"{1 / rate_hz:.6f} s on average; resample it first"
+            f"{usual:.6f} s elsewhere; resample it first"
         )
     if (gaps := np.argwhere(np.isnan(signal.values))).size:
         i, j = gaps[0]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from boom_mj.machine import AXES, Machine, ritz_shapes, sections
+from boom_mj.machine import AXES, Machine, Shape, ritz_shapes, sections
 
 Array = np.ndarray
 JOINTS = 5
@@ -36,8 +36,13 @@ class Section:
     spin: Array
 
 
-def chain_sections(machine: Machine, q: Array, places: tuple[Array, ...]) -> tuple[Section, ...]:
+def chain_sections(
+    machine: Machine, q: Array, places: tuple[Array, ...], finite_rotations: bool = False
+) -> tuple[Section, ...]:
     """Cross-sections of every link at the given x.
+
+    The paper's kinematics are linear in the elastic angles (5). With `finite_rotations` the elastic rotation is a
+    rotation, and a bent link draws its points in by half the integral of its squared slope.
 
     Args:
         q: generalised coordinates, (..., 17).
@@ -59,61 +64,89 @@ def chain_sections(machine: Machine, q: Array, places: tuple[Array, ...]) -> tup
     d_origin = np.zeros((*batch, count, 3), kind)
 
     found = []
-    for index, (link, shapes) in enumerate(zip(machine.links, ritz_shapes(machine))):
+    for index, shapes in enumerate(ritz_shapes(machine)):
         columns = [TORSION + 3 * index, V + 3 * index, W + 3 * index]
-        qa, qv, qw = (q[..., k] for k in columns)
-        turn, d_turn = _turn(q[..., 1 + index])
+        turn, d_turn = _turn_about(q[..., 1 + index], 2)
         d_rotation = d_rotation @ turn[..., None, :, :]
         d_rotation[..., 1 + index, :, :] += rotation @ d_turn
         rotation = rotation @ turn
 
-        x = places[index]
-        za, zv, zw = (shapes[axis](x) for axis in AXES)
-        arm = np.zeros((*batch, x.size, 3), kind)  # lam(x), v, d + w in the turned frame (2), (3)
-        arm[..., 0] = link.length + x
-        arm[..., 1] = qv[..., None] * zv
-        arm[..., 2] = qw[..., None] * zw + sections.offset(link, machine.offset_profile.kind, x)
+        arm, d_arm = _arms(machine, index, q[..., columns], places[index], finite_rotations)
         jacobian = d_origin[..., None, :, :] + np.einsum("...kij,...pj->...pki", d_rotation, arm)
-        jacobian[..., columns[1], :] += rotation[..., None, :, 1] * zv[:, None]
-        jacobian[..., columns[2], :] += rotation[..., None, :, 2] * zw[:, None]
+        jacobian[..., columns, :] += np.einsum("...ij,...pkj->...pki", rotation, d_arm)
         position = origin[..., None, :] + np.einsum("...ij,...pj->...pi", rotation, arm)
         spin = np.einsum("...ki,...i->...k", _angular(d_rotation, rotation), rotation[..., :, 0])[..., None, :]
-        spin = np.repeat(spin, x.size, axis=-2)
-        spin[..., columns[0]] += za
+        spin = np.repeat(spin, places[index].size, axis=-2)
+        spin[..., columns[0]] += shapes["torsion"](places[index])
         found.append(Section(position, jacobian, spin))
 
         # the tip of this link carries the next one: (5)-(8) at x = 0
-        lever = np.stack([np.full_like(qv, link.length), qv, qw + link.offset], axis=-1)
-        d_origin = d_origin + np.einsum("...kij,...j->...ki", d_rotation, lever)
-        d_origin[..., columns[1], :] += rotation[..., :, 1]
-        d_origin[..., columns[2], :] += rotation[..., :, 2]
-        origin = origin + np.einsum("...ij,...j->...i", rotation, lever)
-        slope_v, slope_w = shapes["v"].slope(0.0), shapes["w"].slope(0.0)
-        bend = _small_rotation(qa, -qw * slope_w, qv * slope_v)
+        arm, d_arm = _arms(machine, index, q[..., columns], np.zeros(1), finite_rotations)
+        d_origin = d_origin + np.einsum("...kij,...j->...ki", d_rotation, arm[..., 0, :])
+        d_origin[..., columns, :] += np.einsum("...ij,...kj->...ki", rotation, d_arm[..., 0, :, :])
+        origin = origin + np.einsum("...ij,...j->...i", rotation, arm[..., 0, :])
+        slopes = np.array([1.0, -shapes["w"].slope(0.0), shapes["v"].slope(0.0)])  # of alpha, beta, gamma (4)
+        angles = q[..., [columns[0], columns[2], columns[1]]] * slopes
+        bend, d_bend = (_rotation if finite_rotations else _small_rotation)(angles)
         d_rotation = d_rotation @ bend[..., None, :, :]
-        one, zero = np.ones_like(qa), np.zeros_like(qa)
-        for column, d_bend in zip(
-            columns, ((one, zero, zero), (zero, zero, one * slope_v), (zero, -one * slope_w, zero))
-        ):
-            d_rotation[..., column, :, :] += rotation @ (_small_rotation(*d_bend) - np.eye(3))
+        for k, column in enumerate((columns[0], columns[2], columns[1])):
+            d_rotation[..., column, :, :] += rotation @ d_bend[..., k, :, :] * slopes[k]
         rotation = rotation @ bend
     return tuple(found)
 
 
-def _turn(angle: Array) -> tuple[Array, Array]:
-    """Rotation about z and its derivative, (..., 3, 3)."""
+def _turn_about(angle: Array, axis: int) -> tuple[Array, Array]:
+    """Rotation about one axis of the frame and its derivative, (..., 3, 3)."""
     turn, d_turn = np.zeros((*angle.shape, 3, 3), angle.dtype), np.zeros((*angle.shape, 3, 3), angle.dtype)
+    first, second = (axis + 1) % 3, (axis + 2) % 3
     c, s = np.cos(angle), np.sin(angle)
-    turn[..., 0, 0], turn[..., 0, 1], turn[..., 1, 0], turn[..., 1, 1], turn[..., 2, 2] = c, -s, s, c, 1
-    d_turn[..., 0, 0], d_turn[..., 0, 1], d_turn[..., 1, 0], d_turn[..., 1, 1] = -s, -c, c, -s
+    turn[..., axis, axis] = 1
+    for matrix, along, across in ((turn, c, s), (d_turn, -s, c)):
+        matrix[..., first, first], matrix[..., second, second] = along, along
+        matrix[..., first, second], matrix[..., second, first] = -across, across
     return turn, d_turn
 
 
-def _small_rotation(alpha: Array, beta: Array, gamma: Array) -> Array:
-    """R~ (5), linear in its angles, (..., 3, 3)."""
-    one = np.ones_like(alpha)
-    rows = [[one, -gamma, beta], [gamma, one, -alpha], [-beta, alpha, one]]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+def _arms(machine: Machine, index: int, elastic: Array, x: Array, finite: bool) -> tuple[Array, Array]:
+    """(lam(x), v, d + w) of (2), (3) in the turned link frame, (..., p, 3); its slope over qa, qv, qw, (..., p, 3, 3)."""
+    link, shapes = machine.links[index], ritz_shapes(machine)[index]
+    qv, qw = elastic[..., 1, None], elastic[..., 2, None]
+    arm = np.zeros((*qv.shape[:-1], x.size, 3), elastic.dtype)
+    d_arm = np.zeros((*qv.shape[:-1], x.size, 3, 3), elastic.dtype)
+    arm[..., 0] = link.length + x
+    arm[..., 1] = qv * shapes["v"](x)
+    arm[..., 2] = qw * shapes["w"](x) + sections.offset(link, machine.offset_profile.kind, x)
+    d_arm[..., 1, 1], d_arm[..., 2, 2] = shapes["v"](x), shapes["w"](x)
+    if finite:
+        drawn_v, drawn_w = _drawn_in(shapes["v"], link.length, x), _drawn_in(shapes["w"], link.length, x)
+        arm[..., 0] -= (qv**2 * drawn_v + qw**2 * drawn_w) / 2
+        d_arm[..., 1, 0], d_arm[..., 2, 0] = -qv * drawn_v, -qw * drawn_w
+    return arm, d_arm
+
+
+def _drawn_in(shape: Shape, length: float, x: Array) -> Array:
+    """Integral of zeta'^2 from the root to x, 1/m."""
+    return (shape.polynomial.deriv() ** 2).integ(lbnd=-length)(x)
+
+
+def _small_rotation(angles: Array) -> tuple[Array, Array]:
+    """R~ of (5), linear in (alpha, beta, gamma), (..., 3, 3), and its derivatives, (..., 3, 3, 3)."""
+    generators = np.array(
+        [
+            [[0, 0, 0], [0, 0, -1], [0, 1, 0]],
+            [[0, 0, 1], [0, 0, 0], [-1, 0, 0]],
+            [[0, -1, 0], [1, 0, 0], [0, 0, 0]],
+        ],
+        angles.dtype,
+    )
+    slopes = np.broadcast_to(generators, (*angles.shape[:-1], 3, 3, 3))
+    return np.eye(3) + np.einsum("...k,kij->...ij", angles, generators), slopes
+
+
+def _rotation(angles: Array) -> tuple[Array, Array]:
+    """Rz(gamma) Ry(beta) Rx(alpha), (..., 3, 3), and its derivatives, (..., 3, 3, 3)."""
+    (rz, dz), (ry, dy), (rx, dx) = (_turn_about(angles[..., k], k) for k in (2, 1, 0))
+    return rz @ ry @ rx, np.stack([rz @ ry @ dx, rz @ dy @ rx, dz @ ry @ rx], axis=-3)
 
 
 def _angular(d_rotation: Array, rotation: Array) -> Array:

@@ -27,10 +27,12 @@ class Simplifications:
     Attributes:
         undeformed_mass: D = D(q_e = 0) instead of D(q).
         no_coriolis: tau_C = 0.
+        linear_kinematics: elastic rotations linear in their angles (5); not a choice of section 2.4 but of section 2.1.
     """
 
     undeformed_mass: bool = True
     no_coriolis: bool = True
+    linear_kinematics: bool = True
 
 
 @dataclass(frozen=True)
@@ -72,7 +74,7 @@ class ReferenceModel:
 
     def sections(self, q: Array, places: tuple[Array, ...]) -> tuple[Section, ...]:
         """Positions and Jacobians along the links; see `chain_sections`."""
-        return chain_sections(self.machine, q, places)
+        return chain_sections(self.machine, q, places, not self.simplifications.linear_kinematics)
 
     def mass_matrix(self, q: Array) -> Array:
         """D of (26) from (19), (20); (..., 17, 17), kg m^2, kg m, kg."""
@@ -91,7 +93,9 @@ class ReferenceModel:
         """Gradient of the potential energy of weight (21), (22); (..., 17)."""
         places, masses, _ = self._masses
         found = self.sections(q, places)
-        return self.machine.gravity * sum(np.einsum("...pk,p->...k", s.jacobian[..., 2], m) for s, m in zip(found, masses))
+        return self.machine.gravity * sum(
+            np.einsum("...pk,p->...k", s.jacobian[..., 2], m) for s, m in zip(found, masses)
+        )
 
     @cached_property
     def stiffness(self) -> Array:

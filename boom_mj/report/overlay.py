@@ -24,7 +24,8 @@ def draw_overlay(replay: Replay, path: Path) -> None:
     """Write a PNG with what tells most: the tip's motion, its acceleration, a cylinder's force, and all ratios."""
     panels = [panel for panel in PANELS if panel[0] in replay.log and panel[0] in replay.twin]
     figure = plt.figure(figsize=(13, 2.3 * max(len(panels), 2)), layout="constrained")
-    left, right = figure.subfigures(1, 2, width_ratios=[2.2, 1])
+    halves = np.asarray(figure.subfigures(1, 2, width_ratios=[2.2, 1]))
+    left, right = halves
     axes = left.subplots(2 * len(panels), 1, sharex=True, height_ratios=[3, 1] * len(panels), squeeze=False)[:, 0]
     for (name, channel, title), upper, lower in zip(panels, axes[::2], axes[1::2]):
         signal = replay.log[name]

@@ -27,7 +27,9 @@ def ideal_signals(trajectory: Trajectory) -> dict[str, Signal]:
 def sample_rates(machine: Machine) -> dict[str, float]:
     """Rate of every signal, Hz, by the machine file; what is known rather than measured comes at the joints' rate."""
     rates = machine.sensors.rates_hz
-    imus = {f"imu/{link.name}/{kind}": rates.imu for link in machine.links for kind in ("specific_force", "angular_rate")}
+    imus = {
+        f"imu/{link.name}/{kind}": rates.imu for link in machine.links for kind in ("specific_force", "angular_rate")
+    }
     cylinder = {"cylinder/force": rates.cylinder, "cylinder/length": rates.cylinder}
     return {"joint/position": rates.joint, **imus, "markers": rates.marker, **cylinder, "load": rates.joint}
 

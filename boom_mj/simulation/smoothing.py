@@ -1,13 +1,12 @@
 """Joint angles of a log, made smooth enough to be differentiated twice.
 
-A 50 Hz angle sensor with 0.02 deg of noise says nothing of accelerations: differentiated, its noise would shake the boom.
-What is known besides is that a joint stands still most of the time. So stretches of rest are found first - where a line
+A 50 Hz angle sensor with 0.02 deg of noise says nothing of accelerations: differentiated, it would shake the boom. What is known besides is that a joint stands still most of the time. So stretches of rest are found first - where a line
 through a window of samples has a slope within its own noise - and held at their mean; between them the angle minimises
 
     sum (y - q)^2 / sigma^2 + weight * sum (d^3 q)^2,
 
-Whittaker's smoother with a third difference (it bends as little as the samples allow in jerk), its weight such that what
-it takes away has the size of the sensor's noise.
+Whittaker's smoother with a third difference (as little jerk as the samples allow), its weight such that what it takes
+away has the size of the sensor's noise.
 """
 
 import numpy as np
