@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+from scipy.linalg import eigvalsh
 
 from boom_mj.machine import AXES, Machine
 from boom_mj.mjcf import scene
@@ -15,7 +16,8 @@ from boom_mj.mjcf.hinges import HingeChain, hinge_chains
 from boom_mj.mjcf.inertia import RigidInertia, beam_axis, segment_cuts, segment_inertias
 
 Array = np.ndarray
-TIMESTEP = 0.005  # s; docs/integrators.md says why
+TIMESTEP = 0.005  # s, the longest; docs/integrators.md says why
+STABLE_PHASE = 1.2  # omega h of the fastest hinge, with a margin to 2 for other poses
 DRIVE_FREQUENCY = 8.0  # Hz: servo of the drives as the file holds them, against the inertia of the stretched boom
 
 
@@ -65,7 +67,6 @@ def build(machine: Machine, hinges: int = 1) -> BoomModel:
     spec = mujoco.MjSpec()
     spec.modelname = machine.name
     spec.compiler.degree = False
-    spec.option.timestep = TIMESTEP
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.gravity = [0, 0, -machine.gravity]
     scene.dress(spec, machine)
@@ -88,6 +89,7 @@ def build(machine: Machine, hinges: int = 1) -> BoomModel:
         rope = spec.add_actuator(name=f"rope_{axis}", target="tip", refsite="world", trntype=mujoco.mjtTrn.mjTRN_SITE)
         rope.gear = np.eye(6)[k]
     _tune_drives(spec, machine)
+    spec.option.timestep = _stable_step(spec, machine)
     return BoomModel(machine, spec, chains)
 
 
@@ -168,6 +170,24 @@ def _tune_drives(spec: mujoco.MjSpec, machine: Machine) -> None:
             ctrllimited=True,
         )
         servo.set_to_position(kp=own * omega**2, kv=1.4 * own * omega)
+
+
+def _stable_step(spec: mujoco.MjSpec, machine: Machine) -> float:
+    """TIMESTEP, or the largest whole fraction of it at which the fastest hinge is stable.
+
+    Springs are integrated explicitly, which bears omega h < 2; their damping implicitly, which from a relaxation time
+    of h / 2 on bears any omega.
+    """
+    if machine.damping.relaxation_time >= TIMESTEP / 2:
+        return TIMESTEP
+    model = spec.compile()
+    data, mass = mujoco.MjData(model), np.zeros((model.nv, model.nv))
+    mujoco.mj_forward(model, data)
+    mujoco.mj_fullM(model, data, mass)
+    elastic = np.flatnonzero(model.jnt_stiffness.reshape(model.njnt, -1)[:, 0])
+    stiffness = model.jnt_stiffness.reshape(model.njnt, -1)[elastic, 0]
+    fastest = np.sqrt(eigvalsh(np.diag(stiffness), mass[np.ix_(elastic, elastic)])[-1])
+    return TIMESTEP / int(np.ceil(TIMESTEP * fastest / STABLE_PHASE))
 
 
 def _set_inertia(body: mujoco.MjsBody, inertia: RigidInertia) -> None:

@@ -108,7 +108,7 @@ def _turn_about(angle: Array, axis: int) -> tuple[Array, Array]:
 
 
 def _arms(machine: Machine, index: int, elastic: Array, x: Array, finite: bool) -> tuple[Array, Array]:
-    """(lam(x), v, d + w) of (2), (3) in the turned link frame, (..., p, 3); its slope over qa, qv, qw, (..., p, 3, 3)."""
+    """(lam(x), v, d + w) of (2), (3) in the turned link frame, (..., p, 3); slope over qa, qv, qw, (..., p, 3, 3)."""
     link, shapes = machine.links[index], ritz_shapes(machine)[index]
     qv, qw = elastic[..., 1, None], elastic[..., 2, None]
     arm = np.zeros((*qv.shape[:-1], x.size, 3), elastic.dtype)

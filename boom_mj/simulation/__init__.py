@@ -1,8 +1,8 @@
 """Experiments on compiled booms: rest, prescribed joint motion, rope cuts."""
 
 from boom_mj.simulation.catalogue import CATALOGUE as CATALOGUE
-from boom_mj.simulation.experiments import Experiment as Experiment
 from boom_mj.simulation.catalogue import load_experiment as load_experiment
+from boom_mj.simulation.experiments import Experiment as Experiment
 from boom_mj.simulation.plant import Plant as Plant
 from boom_mj.simulation.plant import make_plant as make_plant
 from boom_mj.simulation.simulate import Trajectory as Trajectory

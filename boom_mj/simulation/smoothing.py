@@ -1,6 +1,7 @@
 """Joint angles of a log, made smooth enough to be differentiated twice.
 
-A 50 Hz angle sensor with 0.02 deg of noise says nothing of accelerations: differentiated, it would shake the boom. What is known besides is that a joint stands still most of the time. So stretches of rest are found first - where a line
+A 50 Hz angle sensor with 0.02 deg of noise says nothing of accelerations: differentiated, it would shake the boom.
+What is known besides is that a joint stands still most of the time. So stretches of rest are found first - where a line
 through a window of samples has a slope within its own noise - and held at their mean; between them the angle minimises
 
     sum (y - q)^2 / sigma^2 + weight * sum (d^3 q)^2,

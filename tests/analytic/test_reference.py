@@ -21,7 +21,7 @@ def with_profile(machine: Machine, kind: str) -> Machine:
 
 
 def state(seed: int) -> tuple[Array, Array]:
-    """Random coordinates and velocities (17,) each: any pose, a deflection of some per cent, speeds of the same size."""
+    """Random coordinates and velocities (17,) each: any pose, deflections of some per cent, speeds alike."""
     rng = np.random.default_rng(seed)
     low, high = np.array([drive.range for drive in BOOM.drives]).T
     size = np.array([0.02, 0.3, 0.3] * 4)  # rad, m, m

@@ -53,6 +53,13 @@ def test_whatever_is_written_is_read_back_to_the_bit(seed, names, tmp_path_facto
     assert_same(read_mcap(path), written)
 
 
+def test_no_time_is_off_by_a_nanosecond(tmp_path):
+    time = np.arange(5000) / 1000  # 1.001 * 1e9 is 1000999999.9999999
+    written = Recording("r", "m", "", {"load": named_signal("load", time, np.zeros((5000, 3)))})
+    write_mcap(written, tmp_path / "log.mcap")
+    np.testing.assert_array_equal(read_mcap(tmp_path / "log.mcap")["load"].time, time)
+
+
 def test_equal_recordings_give_equal_bytes(tmp_path):
     a, b, c = (tmp_path / name for name in ("a.mcap", "b.mcap", "c.mcap"))
     write_mcap(recording(), a)
