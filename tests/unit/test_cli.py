@@ -1,0 +1,86 @@
+"""The commands as a user runs them: results on stdout, one sentence on stderr, nothing half-written."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import mujoco
+import pytest
+
+from boom_mj.logs import read_mcap, write_mcap
+from boom_mj.recording import Recording
+
+ROOT = Path(__file__).parents[2]
+MACHINE, LOG = ROOT / "models" / "boom36.toml", ROOT / "logs" / "independent_release_stretched_vertical.mcap"
+
+
+def boom(*arguments: object) -> subprocess.CompletedProcess:
+    command = [sys.executable, "-m", "boom_mj", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, cwd=ROOT, timeout=300)
+
+
+def test_generate_simulate_replay(tmp_path: Path) -> None:
+    made = boom("generate", MACHINE, "-o", tmp_path / "boom.xml", "--hinges", 2)
+    assert made.returncode == 0, made.stderr
+    assert mujoco.MjModel.from_xml_path(str(tmp_path / "boom.xml")).nv == 5 + 4 * 3 * 2
+
+    simulated = boom("simulate", MACHINE, "slew_t", "-o", tmp_path / "slew.mcap")
+    assert simulated.returncode == 0, simulated.stderr
+    again = boom("simulate", MACHINE, "slew_t", "-o", tmp_path / "again.mcap")
+    assert again.returncode == 0
+    assert (tmp_path / "slew.mcap").read_bytes() == (tmp_path / "again.mcap").read_bytes()
+
+    replayed = boom(
+        "replay", tmp_path / "slew.mcap", "-o", tmp_path / "twin.mcap", "--picture", tmp_path / "p.png", "--json"
+    )
+    assert replayed.returncode == 0, replayed.stderr
+    document = json.loads(replayed.stdout)
+    assert set(document["timing"]) == {"simulated_s", "steps", "loop_wall_s"}
+    # the same model on both sides: what is left is sensor noise and what it does to the joint angles
+    assert all(group["ratio"] < 1.6 for group in document["groups"].values())
+    assert "markers" in read_mcap(tmp_path / "twin.mcap")
+    assert (tmp_path / "p.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_validate_gives_one_document() -> None:
+    done = boom("validate", MACHINE, "--poses", 3, "--json")
+    assert done.returncode == 0, done.stderr
+    figures = json.loads(done.stdout)["hinges"]["1"]
+    assert {"sag", "load_change", "mode1", "mode4", "finite_rotations", "mass_matrix_worst"} <= set(figures)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "told"),
+    [
+        (["simulate", MACHINE, "jump"], 2, "slew_t"),
+        (["simulate", "nowhere.toml", "slew_t"], 2, "nowhere.toml"),
+        (["simulate", MACHINE, "slew_t", "--effect", "gremlins:size=1"], 2, "gremlins"),
+        (["simulate", MACHINE, "slew_t", "-o", "no_folder/out.mcap"], 2, "no_folder"),
+        (["simulate", MACHINE, "slew_t", "-o", "out.txt"], 2, ".mcap"),
+        (["generate", MACHINE, "--hinges", "0"], 2, "hinges"),
+        (["replay", "nowhere.mcap"], 2, "nowhere.mcap"),
+        (["replay", MACHINE], 1, "not an MCAP file"),
+        (["fly"], 2, "fly"),
+    ],
+)
+def test_wrong_calls(arguments: list, status: int, told: str) -> None:
+    done = boom(*arguments)
+    assert done.returncode == status
+    assert told in done.stderr
+    assert "Traceback" not in done.stderr
+    assert done.stdout == ""
+
+
+def test_logs_that_cannot_be_replayed(tmp_path: Path) -> None:
+    half, empty = tmp_path / "half.mcap", tmp_path / "empty.mcap"
+    half.write_bytes(LOG.read_bytes()[: LOG.stat().st_size // 2])
+    log = read_mcap(LOG)
+    others = {name: signal for name, signal in log.signals.items() if name != "joint/position"}
+    write_mcap(Recording(log.name, log.machine, log.description, others), empty)
+    for path, told in ((half, "cut off"), (empty, "joint/position")):
+        done = boom("replay", path, "-o", tmp_path / "twin.mcap")
+        assert done.returncode == 1
+        assert told in done.stderr and "Traceback" not in done.stderr
+        assert not (tmp_path / "twin.mcap").exists()
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["empty.mcap", "half.mcap"]
