@@ -14,6 +14,7 @@ import numpy as np
 from scipy.interpolate import make_interp_spline
 from scipy.ndimage import binary_erosion
 from scipy.optimize import brentq
+from scipy.signal import savgol_filter
 from scipy.sparse import diags_array
 from scipy.sparse.linalg import spsolve
 
@@ -41,9 +42,8 @@ def smooth_angles(time: Array, angles: Array, noise: float, at: Array) -> Array:
 def resting(values: Array, step: float, noise: float) -> Array:
     """Where a joint stands still, (n,) of bool."""
     half = max(2, round(WINDOW / step / 2))
-    lag = np.arange(-half, half + 1)
-    padded = np.pad(values, half, mode="edge")
-    slope = np.convolve(padded, -lag / (lag @ lag), mode="valid")
+    width, lag = min(2 * half + 1, len(values)), np.arange(-half, half + 1)
+    slope = savgol_filter(values, width, polyorder=1, deriv=1)  # of a line through every window, per sample
     still = np.abs(slope) < SLOPE_SIGMAS * noise / np.sqrt(lag @ lag)
     return binary_erosion(still, iterations=half // 2, border_value=1)
 

@@ -38,7 +38,7 @@ def test_generate_simulate_replay(tmp_path: Path) -> None:
     document = json.loads(replayed.stdout)
     assert set(document["timing"]) == {"simulated_s", "steps", "loop_wall_s"}
     # the same model on both sides: what is left is sensor noise and what it does to the joint angles
-    assert all(group["ratio"] < 1.6 for group in document["groups"].values())
+    assert all(group["ratio"] < 2 for group in document["groups"].values())
     assert "markers" in read_mcap(tmp_path / "twin.mcap")
     assert (tmp_path / "p.png").read_bytes().startswith(b"\x89PNG")
 

@@ -1,0 +1,81 @@
+"""Driven simulations against energy, the drives' own path and the reference's damping."""
+
+from functools import cache
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from scipy.signal import find_peaks
+
+from boom_mj.machine import load_machine
+from boom_mj.reference import ReferenceModel
+from boom_mj.simulation import CATALOGUE, Plant, Trajectory, make_plant, run_experiment
+
+Array = np.ndarray
+BOOM = load_machine(Path(__file__).parents[2] / "models" / "boom36.toml")
+RELEASE = CATALOGUE["release_stretched_vertical"]
+FREE = RELEASE.release + 0.05  # s: the rope's force is gone
+STRETCHED = np.zeros(5)
+
+
+@cache
+def released(damped: bool) -> tuple[Plant, Trajectory]:
+    undamped = BOOM.model_copy(
+        update={
+            "damping": BOOM.damping.model_copy(update={"relaxation_time": 0.0, "bending": 0.0, "torsion": 0.0}),
+            "slewing": BOOM.slewing.model_copy(update={"viscous_friction": 0.0}),
+            "link": tuple(link.model_copy(update={"viscous_friction": 0.0}) for link in BOOM.link),
+        }
+    )
+    plant = make_plant(BOOM if damped else undamped, 1)
+    return plant, run_experiment(plant, RELEASE)
+
+
+def energy(plant: Plant, qpos: Array, qvel: Array) -> float:
+    """Weight, springs and motion, J."""
+    data = mujoco.MjData(plant.model)
+    data.qpos[:], data.qvel[:] = qpos, qvel
+    mujoco.mj_forward(plant.model, data)
+    mujoco.mj_energyPos(plant.model, data)
+    mujoco.mj_energyVel(plant.model, data)
+    return float(data.energy.sum())
+
+
+def test_energy_stays_after_the_cut_without_damping():
+    plant, motion = released(damped=False)
+    assert not plant.model.dof_damping.any()
+    free = np.flatnonzero(motion.time > FREE)[::8]
+    total = np.array([energy(plant, motion.qpos[k], motion.qvel[k]) for k in free])
+    rest = plant.static_equilibrium(STRETCHED)
+    stored = total[0] - energy(plant, rest, np.zeros(plant.model.nv))
+    print(f"released {stored:.1f} J, drift {100 * np.abs(total - total[0]).max() / stored:.4f} %")
+    assert stored > 50  # there is something to lose
+    assert np.abs(total - total[0]).max() < 1e-3 * stored  # a symplectic step's ripple is (omega h)^2 of each mode
+
+
+def test_drives_keep_their_path():
+    experiment, plant = CATALOGUE["mixed"], make_plant(BOOM, 1)
+    motion = run_experiment(plant, experiment)
+    error = np.degrees(np.abs(motion.joints - experiment.joint_path(motion.time)[0])).max(axis=0)
+    print(f"tracking error {error} deg")
+    assert np.all(error < 1e-3)
+    assert np.ptp(motion.joints, axis=0).min() > np.radians(1)  # every joint moves
+
+
+def test_first_vertical_mode_decays_as_in_the_reference():
+    plant, motion = released(damped=True)
+    still = plant.tip(plant.static_equilibrium(STRETCHED))[2]
+    late = motion.time > FREE + 4  # the next vertical mode has a third of the period and has lost e^-10 by then
+    height = np.array([plant.tip(qpos)[2] for qpos in motion.qpos[late]]) - still
+    peaks = find_peaks(height)[0]
+    decrement = -np.polyfit(np.arange(peaks.size), np.log(height[peaks]), 1)[0]
+    reference = ReferenceModel(BOOM)
+    rest = reference.static_equilibrium(STRETCHED)
+    modes = reference.modes(rest)
+    vertical = [k for k in range(4) if np.argmax(np.abs(modes.shape[:, k]) * np.tile([0, 1, 1], 4)) % 3 == 1]
+    ratio = modes.damping_ratio[vertical[0]]
+    true = 2 * np.pi * ratio / np.sqrt(1 - ratio**2)
+    print(f"decrement {decrement:.5f}, reference {true:.5f}, peaks {peaks.size}")
+    assert peaks.size >= 6
+    assert decrement == pytest.approx(true, rel=0.02)  # 1 % of frequency in 2 zeta = relaxation time x omega, doubled
