@@ -35,7 +35,6 @@ class Shape:
         coefficients: a and b of (18), after the normalisation.
         fit_error: largest difference from the static solution, as a fraction of the tip value.
         stiffness: strain energy is stiffness q^2 / 2 (23); N m/rad for torsion, N/m for bending.
-        static: the static solution (13)-(17) that was fitted, 1 at the tip.
     """
 
     axis: str
@@ -43,7 +42,6 @@ class Shape:
     coefficients: tuple[float, float]
     fit_error: float
     stiffness: float
-    static: StaticCurve
 
     def __call__(self, x: Array | float) -> Array:
         return self.polynomial(x)
@@ -60,21 +58,29 @@ class Shape:
 @lru_cache(maxsize=64)
 def ritz_shapes(machine: Machine) -> tuple[Mapping[str, Shape], ...]:
     """Shapes `torsion`, `v` and `w` of every link, root outward."""
-    return tuple(_link_shapes(machine, index) for index in range(len(machine.links)))
+    found = []
+    for index, link in enumerate(machine.links):
+        s = Polynomial([link.length, 1])  # distance from the root
+        v_basis = (s**2, s**3) if link.support is None else tuple(Polynomial([-link.support, 1]) * s**k for k in (1, 2))
+        bases = {"torsion": (s, s**2), "v": v_basis, "w": (s**2, s**3)}
+        found.append({axis: _fit(link, axis, c, bases[axis]) for axis, c in static_curves(machine, index).items()})
+    return tuple(found)
 
 
-def _link_shapes(machine: Machine, index: int) -> Mapping[str, Shape]:
-    link = machine.links[index]
-    gravity = machine.gravity or 9.81  # the shape of a weightless boom is that of a heavy one
-    s = Polynomial([link.length, 1])  # distance from the root
-    weight = statics.outboard_load(machine, index, gravity)
-    v_basis = (s**2, s**3) if link.support is None else tuple(Polynomial([-link.support, 1]) * s**k for k in (1, 2))
+def static_curves(machine: Machine, index: int, tip_force: float = 0.0) -> Mapping[str, StaticCurve]:
+    """Static solutions `torsion`, `v` and `w` of link `index` (0 is link 2), each 1 at its tip.
+
+    Args:
+        tip_force: that pulls at the end of the boom besides its weight, N.
+    """
+    link, gravity = machine.links[index], machine.gravity or 9.81  # a weightless boom has the shape of a heavy one
+    load = statics.outboard_load(machine, index, gravity, tip_force)
     curves = {
-        "torsion": (statics.torsion(link), (s, s**2)),
-        "v": (statics.bending(link, sections.bending_stiffness_v, weight, gravity, link.support), v_basis),
-        "w": (statics.bending(link, sections.bending_stiffness_w, weight, gravity, None), (s**2, s**3)),
+        "torsion": statics.torsion(link),
+        "v": statics.bending(link, sections.bending_stiffness_v, load, gravity, link.support),
+        "w": statics.bending(link, sections.bending_stiffness_w, load, gravity, None),
     }
-    return {axis: _fit(link, axis, curve.over_tip(), basis) for axis, (curve, basis) in curves.items()}
+    return {axis: curve.over_tip() for axis, curve in curves.items()}
 
 
 def _fit(link: Link, axis: str, static: StaticCurve, basis: tuple[Polynomial, ...]) -> Shape:
@@ -91,7 +97,6 @@ def _fit(link: Link, axis: str, static: StaticCurve, basis: tuple[Polynomial, ..
         coefficients=(float(coefficients[0]), float(coefficients[1])),
         fit_error=float(np.max(np.abs(polynomial(x) - curve))),
         stiffness=0.0,
-        static=static,
     )
     return replace(
         shape, stiffness=float(weights @ (STIFFNESS[axis](link, points) * shape.strain(points) ** 2))

@@ -100,7 +100,7 @@ def _add_link(
     link, paper = machine.links[index], len(chains["v"].hinges) == 1
     axis = np.array([1.0, 0.0, 0.0]) if paper else beam_axis(machine, index)
     across = {"torsion": axis, "v": np.array([-axis[2], 0.0, axis[0]]), "w": np.array([0.0, -1.0, 0.0])}
-    inertias, cuts = segment_inertias(machine, index, chains), [-link.length, *segment_cuts(chains), 0.0]
+    inertias, cuts = segment_inertias(machine, index, chains), [-link.length, *segment_cuts(link, chains), 0.0]
     markers = np.array(machine.sensors.markers_x) * link.length
     body = parent
     for k, inertia in enumerate(inertias):

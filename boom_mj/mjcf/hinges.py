@@ -6,18 +6,23 @@ the angle of one hinge, where its tip displacement is right, with a spring that 
     gain_j = int_j dzeta',    position_j = int_j x dzeta' / gain_j,    stiffness_j = int_j E I zeta''^2 dx / gain_j^2
 
 With one cell this is the hinge at zeta(0) / zeta'(0) from the tip with stiffness K / zeta'(0)^2, and the shape is the
-polynomial (18), so that it meets the reference model. With more cells the shape is the static solution itself, so that
+polynomial (18), so that it meets the reference model. With more cells the shape is a static solution itself, so that
 the chain converges to the continuous beam. Torsion twists about the beam axis, where its position is free.
 
-Link 2 rests on its cylinder pin: what bends between root and pin is slope at the pin, gathered by the first cell.
+Link 2 rests on its cylinder pin: what bends between root and pin is slope at the pin, gathered by the cell there.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 
-from boom_mj.machine import Link, Machine, ritz_shapes, sections, shapes
+from boom_mj.machine import Link, Machine, Shape, ritz_shapes, sections, shapes
+from boom_mj.machine.shapes import static_curves
+from boom_mj.machine.statics import StaticCurve
 
 Array = np.ndarray
 
@@ -67,32 +72,50 @@ def hinge_chains(machine: Machine, count: int) -> tuple[dict[str, HingeChain], .
     )
 
 
-def cell_edges(link: Link, count: int, supported: bool) -> Array:
-    """Edges of equally long cells from where the link starts to gather slope to its tip, (count + 1,)."""
-    start = link.support if supported and link.support is not None else -link.length
-    return np.linspace(start, 0.0, count + 1)
+def cell_edges(link: Link, count: int) -> Array:
+    """Edges of the cells of a link, (count + 1,), m: their lengths follow the root of the bending stiffness.
+
+    What a chain of hinges lacks in flexibility is the sum of length^3 / E I over its cells, least at this grading.
+    """
+    x = np.linspace(-link.length, 0.0, 401)
+    share = cumulative_trapezoid(sections.bending_stiffness_v(link, x) ** -0.5, x, initial=0.0)
+    return np.interp(np.linspace(0, share[-1], count + 1), share, x)
 
 
 def _hinges(machine: Machine, index: int, axis: str, count: int) -> tuple[Hinge, ...]:
-    link, shape = machine.links[index], ritz_shapes(machine)[index][axis]
-    strain, slope = (shape.strain, shape.slope) if count == 1 else (shape.static.strain, shape.static.slope)
-    supported = axis == "v" and link.support is not None
+    link = machine.links[index]
+    curve: Shape | StaticCurve = ritz_shapes(machine)[index][axis]
+    if count > 1:
+        curve = _static_curves(machine, index)[axis]
+    pin = link.support if axis == "v" and link.support is not None else -link.length
     stretch = np.hypot(1, link.offset / link.length) if machine.offset_profile.kind == "ramp" and count > 1 else 1.0
-    edges, found = cell_edges(link, count, supported), []
-    for start, stop in pairwise(edges):
+
+    def gathered(start: float, stop: float) -> Array:
+        """Slope, its first moment and the strain energy (doubled) of a stretch, (3,)."""
         x, weight = _points(start, stop)
-        gain, moment = weight @ strain(x), weight @ (strain(x) * x)
-        energy = weight @ (shapes.STIFFNESS[axis](link, x) * strain(x) ** 2)
-        if supported and start == edges[0]:
-            pin_slope = float(np.squeeze(slope(np.array(start))))
-            gain, moment = gain + pin_slope, moment + pin_slope * start
-            x, weight = _points(-link.length, start)
-            energy += weight @ (shapes.STIFFNESS[axis](link, x) * strain(x) ** 2)
+        bend = curve.strain(x)
+        return np.array([weight @ bend, weight @ (bend * x), weight @ (shapes.STIFFNESS[axis](link, x) * bend**2)])
+
+    edges = cell_edges(link, count)
+    inboard = int(np.sum(edges[1:] <= pin))  # cells that lie between root and pin share what is gathered at the pin
+    pin_slope = float(np.squeeze(curve.slope(np.array(pin)))) if pin > -link.length else 0.0
+    at_pin = np.array([pin_slope, pin_slope * pin, gathered(-link.length, pin)[2]]) / (inboard + 1)
+    found = []
+    for number, (start, stop) in enumerate(pairwise(edges)):
+        gain, moment, energy = gathered(max(start, pin), stop) if stop > pin else np.zeros(3)
+        if number <= inboard:
+            gain, moment, energy = np.array([gain, moment, energy]) + at_pin
         # a ramp's beam is longer than the link by `stretch`, and softer by as much
         found.append((moment / gain, energy / gain**2 / stretch, gain))
     strain_energy = sum(stiffness * gain**2 for _, stiffness, gain in found)
     relaxation = machine.damping.relaxation_time + _line_dissipation(machine, index, axis) / strain_energy
     return tuple(Hinge(float(x), float(k), float(gain), float(relaxation * k)) for x, k, gain in found)
+
+
+@lru_cache(maxsize=64)
+def _static_curves(machine: Machine, index: int) -> Mapping[str, StaticCurve]:
+    """Static solutions between weight and tip load: a tip force of half the last link's weight is added."""
+    return static_curves(machine, index, machine.links[-1].mass * (machine.gravity or 9.81) / 2)
 
 
 def _line_dissipation(machine: Machine, index: int, axis: str) -> float:

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import nnls
 
-from boom_mj.machine import Machine, ritz_shapes, sections
-from boom_mj.mjcf.hinges import HingeChain
+from boom_mj.machine import Link, Machine, ritz_shapes, sections
+from boom_mj.mjcf.hinges import HingeChain, cell_edges
 
 Array = np.ndarray
 GRID = 33  # places along a link where tuned masses may sit
@@ -30,7 +30,7 @@ class RigidInertia:
 
 def segment_inertias(machine: Machine, index: int, chains: dict[str, HingeChain]) -> tuple[RigidInertia, ...]:
     """Inertias of the bodies of one link, root outward: one more than its hinges per coordinate."""
-    cuts = segment_cuts(chains)
+    cuts = segment_cuts(machine.links[index], chains)
     x, mass, inertia = _mass_points(machine, index, cuts)
     inside = np.searchsorted(cuts, x)
     bodies = [(x[inside == k], mass[inside == k], float(inertia[inside == k].sum())) for k in range(len(cuts) + 1)]
@@ -45,9 +45,11 @@ def segment_inertias(machine: Machine, index: int, chains: dict[str, HingeChain]
     return tuple(_rigid(machine, index, *body) for body in bodies)
 
 
-def segment_cuts(chains: dict[str, HingeChain]) -> Array:
-    """Where a link's bodies meet: midway between its bending hinges, (n,), m."""
-    return np.array([(v.position + w.position) / 2 for v, w in zip(chains["v"].hinges, chains["w"].hinges)])
+def segment_cuts(link: Link, chains: dict[str, HingeChain]) -> Array:
+    """Where a link's bodies meet: midway between its bending hinges, as far as they lie in their cells, (n,), m."""
+    edges = cell_edges(link, len(chains["v"].hinges))
+    v, w = (np.array([hinge.position for hinge in chains[axis].hinges]) for axis in ("v", "w"))
+    return (np.clip(v, edges[:-1], edges[1:]) + w) / 2
 
 
 def beam_axis(machine: Machine, index: int) -> Array:

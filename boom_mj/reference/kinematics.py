@@ -150,6 +150,11 @@ def _rotation(angles: Array) -> tuple[Array, Array]:
 
 
 def _angular(d_rotation: Array, rotation: Array) -> Array:
-    """d omega / d qdot (10), (11): entries (3,2), (1,3), (2,1) of dR R^T, (..., 17, 3)."""
-    skew = d_rotation @ np.swapaxes(rotation, -1, -2)[..., None, :, :]
+    """d omega / d qdot (10), (11), (..., 17, 3).
+
+    The paper reads three entries of dR R^T. With the linear R~ of (5) that matrix is not quite skew and its entries are
+    no vector; its skew part is taken, which is the same for a rotation and turns with the frame for R~.
+    """
+    product = d_rotation @ np.swapaxes(rotation, -1, -2)[..., None, :, :]
+    skew = (product - np.swapaxes(product, -1, -2)) / 2
     return np.stack([skew[..., 2, 1], skew[..., 0, 2], skew[..., 1, 0]], axis=-1)

@@ -7,6 +7,7 @@ import pytest
 
 from boom_mj.machine import AXES, Machine, load_machine, ritz_shapes, sections, statics
 from boom_mj.machine.linkages import cylinder2_length, cylinder3_length, moment_arm
+from boom_mj.machine.shapes import static_curves
 from boom_mj.reference import JOINTS, ReferenceModel, Simplifications, integrate
 
 Array = np.ndarray
@@ -120,7 +121,7 @@ def test_energy_stays_after_a_release_without_damping():
     model = ReferenceModel(BOOM.model_copy(update={"damping": still, "link": tuple(heavy)}))
     held, load = (STRETCHED, np.zeros(5), np.zeros(5)), np.array([0.0, 0.0, -981.0])
 
-    motion = integrate(model, lambda t: held, lambda t: load * (t <= 0), np.linspace(0, 5, 26), 1e-6)
+    motion = integrate(model, lambda t: held, lambda t: load * (t <= 0), np.linspace(0, 2, 11), 1e-6)
     assert np.allclose(motion.q[0], model.static_equilibrium(STRETCHED, load))
     energy = np.array(
         [v @ model.mass_matrix(q) @ v / 2 + potential(model, q) for q, v in zip(motion.q, motion.velocity)]
@@ -128,7 +129,7 @@ def test_energy_stays_after_a_release_without_damping():
     released = energy[0] - potential(model, model.static_equilibrium(STRETCHED))
     print(f"released {released:.1f} J, drift {np.abs(energy - energy[0]).max() / released:.2g}")
     assert released > 50  # J: what the rope stored
-    assert np.abs(energy - energy[0]).max() < 1e-4 * released  # the integrator's rtol times its steps
+    assert np.abs(energy - energy[0]).max() < 1e-4 * released  # of the integrator; 5e-6 over 5 s, too long for here
 
 
 def test_torque_of_joint_2_carries_the_deformed_boom():
@@ -177,8 +178,9 @@ def test_shapes_meet_their_boundary_values_and_the_static_solution(index, axis):
         assert shape.slope(root) == pytest.approx(0, abs=1e-12)
     # two coefficients follow a smooth curve of the same boundary values
     x = np.linspace(root, 0, 301)
-    assert np.abs(shape(x) - shape.static.value(x)).max() < 0.05
-    assert shape.fit_error == pytest.approx(np.abs(shape(x) - shape.static.value(x)).max(), abs=1e-3)
+    difference = np.abs(shape(x) - static_curves(BOOM, index)[axis].value(x)).max()
+    assert difference < 0.05
+    assert shape.fit_error == pytest.approx(difference, abs=1e-3)
 
 
 def uniform(index: int) -> Machine:
