@@ -13,7 +13,9 @@ from scipy.linalg import eigvalsh
 from boom_mj.machine import AXES, Machine
 from boom_mj.mjcf import scene
 from boom_mj.mjcf.hinges import HingeChain, hinge_chains
-from boom_mj.mjcf.inertia import RigidInertia, beam_axis, segment_cuts, segment_inertias
+from boom_mj.mjcf.inertia import RigidInertia, beam_axis, segment_inertias
+from boom_mj.mjcf.masses import segment_cuts
+from boom_mj.mjcf.rayleigh import in_tune
 
 Array = np.ndarray
 TIMESTEP = 0.005  # s, the longest; docs/integrators.md says why
@@ -79,6 +81,8 @@ def build(machine: Machine, hinges: int = 1) -> BoomModel:
     _add_drive(turret, machine, 0, np.zeros(3), np.array([0.0, 1.0, 0.0]))
 
     chains, body = hinge_chains(machine, hinges), turret
+    if hinges == 1:
+        chains = in_tune(machine, chains)
     for index in range(len(machine.links)):
         body = _add_link(spec, body, machine, index, chains[index])
     body.add_site(name="tip", size=[0.06, 0, 0], rgba=[0.9, 0.2, 0.1, 1])

@@ -6,8 +6,9 @@ the angle of one hinge, where its tip displacement is right, with a spring that 
     gain_j = int_j dzeta',    position_j = int_j x dzeta' / gain_j,    stiffness_j = int_j E I zeta''^2 dx / gain_j^2
 
 With one cell this is the hinge at zeta(0) / zeta'(0) from the tip with stiffness K / zeta'(0)^2, and the shape is the
-polynomial (18), so that it meets the reference model. With more cells the shape is a static solution itself, so that
-the chain converges to the continuous beam. Torsion twists about the beam axis, where its position is free.
+polynomial (18), so that it meets the reference model (`rayleigh` then tunes it by half a percent). With more cells the
+shape is a static solution itself, so that the chain converges to the continuous beam. Torsion twists about the beam
+axis, where its position is free.
 
 Link 2 rests on its cylinder pin: what bends between root and pin is slope at the pin, gathered by the cell there.
 """
