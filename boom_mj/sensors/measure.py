@@ -7,6 +7,7 @@ from boom_mj.recording import Recording, Signal, named_signal
 from boom_mj.simulation import Trajectory
 
 Array = np.ndarray
+RESOLUTION = 10.0  # steps of a sensor's converter within one standard deviation of its noise
 
 
 def ideal_signals(trajectory: Trajectory) -> dict[str, Signal]:
@@ -63,9 +64,15 @@ def measure(
         time = np.arange(int(np.floor(duration * rate + 1e-9)) + 1) / rate
         values = sample(signals[signal], time)
         if rng is not None and signal in levels:
-            values = values + rng.normal(size=values.shape) * levels[signal]
+            values = _digital(values + rng.normal(size=values.shape) * levels[signal], levels[signal])
         sampled[signal] = named_signal(signal, time, values)
     return Recording(name, machine.name, description, sampled)
+
+
+def _digital(values: Array, noise: Array) -> Array:
+    """Values in steps of a power of two well below the noise, as a converter gives them; such logs pack better."""
+    step = 2.0 ** np.floor(np.log2(np.where(noise > 0, noise, 1e-12) / RESOLUTION))
+    return step * np.round(values / step)
 
 
 def sample(signal: Signal, time: Array) -> Array:
