@@ -4,7 +4,7 @@ import sys
 
 import typer
 
-from boom_mj.cli import generate, replay, simulate, validate
+from boom_mj.cli import generate, replay, simulate, validate, view
 from boom_mj.errors import BoomError, InputError
 
 app = typer.Typer(
@@ -13,7 +13,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (generate, simulate, replay, validate):
+for command in (generate, simulate, replay, validate, view):
     app.command(command.__name__.rpartition(".")[2])(command.command)
 
 

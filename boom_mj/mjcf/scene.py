@@ -13,10 +13,11 @@ CAPSULE = mujoco.mjtGeom.mjGEOM_CAPSULE
 def dress(spec: mujoco.MjSpec, machine: Machine) -> None:
     """Sky, ground, light, truck and cameras of the world."""
     spec.visual.global_.offwidth, spec.visual.global_.offheight = 1920, 1080
-    spec.visual.map.znear, spec.visual.map.zfar = 0.005, 50
+    spec.visual.global_.azimuth, spec.visual.global_.elevation = 110, -12
+    spec.visual.map.znear, spec.visual.map.zfar = 0.004, 40
     spec.visual.quality.shadowsize = 4096
     reach = sum(link.length for link in machine.links)
-    spec.stat.extent, spec.stat.center = reach / 2, [reach / 2, 0, machine.slewing.pivot_height]
+    spec.stat.extent, spec.stat.center = 0.75 * reach, [reach / 3, 0, machine.slewing.pivot_height]
     spec.add_texture(
         name="sky", type=mujoco.mjtTexture.mjTEXTURE_SKYBOX, builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
         rgb1=[0.62, 0.76, 0.92], rgb2=[0.95, 0.97, 1.0], width=256, height=256,

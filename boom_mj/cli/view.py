@@ -1,0 +1,89 @@
+"""view: an experiment or a log, moving, in MuJoCo's viewer."""
+
+import os
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
+
+import mujoco
+import typer
+
+from boom_mj.cli.arguments import Hinges, find_machine
+from boom_mj.errors import BoomError
+from boom_mj.logs import read_mcap
+from boom_mj.sensors import replay
+from boom_mj.simulation import Trajectory, load_experiment, make_plant, run_experiment
+
+FRAME = 1 / 30  # s
+Sync = Callable[[mujoco.MjModel, mujoco.MjData], bool]
+"""Shows a state; False once the viewer is closed."""
+
+
+def command(
+    what: Annotated[str, typer.Argument(metavar="MACHINE.toml|LOG.mcap", help="A machine, or a log to replay.")],
+    experiment: Annotated[str, typer.Option(help="What a machine does.")] = "fold_in",
+    machine: Annotated[str | None, typer.Option(help="Of the log; the one that it names if left out.")] = None,
+    hinges: Hinges = 1,
+    speed: Annotated[float, typer.Option(min=0.01, max=100, help="Times real time.")] = 1.0,
+    web: Annotated[bool, typer.Option("--web", help="In a browser even where there is a screen.")] = False,
+    port: Annotated[int, typer.Option(min=1, max=65535, help="Of the web viewer.")] = 8080,
+    laps: Annotated[int, typer.Option(min=0, help="How often; 0: until the viewer is closed.")] = 0,
+) -> None:
+    """Show an experiment or a replayed log in MuJoCo's viewer: a window where there is a screen, else in a browser."""
+    if Path(what).suffix == ".mcap":
+        log = read_mcap(what)
+        motion = replay(make_plant(find_machine(machine or log.machine), hinges), log).trajectory
+    else:
+        motion = run_experiment(make_plant(find_machine(what), hinges), load_experiment(experiment))
+    screen = any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY")) or sys.platform in ("win32", "darwin")
+    try:
+        (_in_browser if web or not screen else _in_window)(motion, speed, port, laps)
+    except (ImportError, OSError, RuntimeError, mujoco.FatalError) as error:
+        where = f"a browser (port {port})" if web or not screen else "a window"
+        raise BoomError(f"MuJoCo's viewer cannot run in {where} here: {error}") from error
+
+
+def _in_window(motion: Trajectory, speed: float, port: int, laps: int) -> None:
+    import mujoco.viewer
+
+    model, data = motion.plant.model, mujoco.MjData(motion.plant.model)
+    with mujoco.viewer.launch_passive(model, data) as viewer:
+
+        def sync(model: mujoco.MjModel, data: mujoco.MjData) -> bool:
+            viewer.sync()
+            return bool(viewer.is_running())
+
+        _play(motion, data, sync, speed, laps)
+
+
+def _in_browser(motion: Trajectory, speed: float, port: int, laps: int) -> None:
+    from mujoco.studio import app, launch_web, viewer_protocol
+
+    data = mujoco.MjData(motion.plant.model)
+    config = viewer_protocol.ViewerConfig(title=f"boom_mj {motion.plant.machine.name}", gfx="web", http_port=port)
+    with launch_web.launch(config, plugins=[app.App()]) as viewer:
+        print(
+            f"http://localhost:{port} shows it; anyone who reaches that port sees it too; Ctrl-C ends", file=sys.stderr
+        )
+
+        def sync(model: mujoco.MjModel, data: mujoco.MjData) -> bool:
+            viewer.sync(model, data)
+            return bool(viewer.is_running())
+
+        _play(motion, data, sync, speed, laps)
+
+
+def _play(motion: Trajectory, data: mujoco.MjData, sync: Sync, speed: float, laps: int) -> None:
+    """Set the states of a motion one after the other, in time."""
+    model, lap = motion.plant.model, 0
+    while laps == 0 or lap < laps:
+        began, lap = time.monotonic(), lap + 1
+        while (now := speed * (time.monotonic() - began)) <= motion.time[-1]:
+            step = min(int(now / model.opt.timestep), len(motion.time) - 1)
+            data.time, data.qpos[:], data.qvel[:] = motion.time[step], motion.qpos[step], motion.qvel[step]
+            mujoco.mj_forward(model, data)
+            if not sync(model, data):
+                return
+            time.sleep(FRAME)
