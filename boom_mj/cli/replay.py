@@ -10,7 +10,7 @@ import typer
 from boom_mj.cli.arguments import Hinges, find_machine, output_path
 from boom_mj.errors import InputError
 from boom_mj.logs import read_mcap, write_mcap
-from boom_mj.sensors import Replay, replay
+from boom_mj.sensors import Replay, boom_scene, replay
 from boom_mj.simulation import make_plant
 
 
@@ -36,7 +36,8 @@ def command(
         raise InputError(f"{log}: the log does not name its machine; say which with --machine")
     result = replay(make_plant(find_machine(machine or recording.machine), hinges), recording)
     if output is not None:
-        write_mcap(result.twin, output)
+        scene = boom_scene(result.trajectory, recording["joint/position"].time[0])
+        write_mcap(result.twin, output, beside={"/measured": result.log}, scene=scene)
     if picture is not None:
         from boom_mj.report import draw_overlay
 

@@ -11,7 +11,7 @@ from boom_mj.effects import ModelEffect, SignalEffect, parse_effect
 from boom_mj.logs import write_mcap
 from boom_mj.mjcf import build
 from boom_mj.recording import named_signal
-from boom_mj.sensors import measure
+from boom_mj.sensors import boom_scene, measure
 from boom_mj.simulation import CATALOGUE, Plant, Trajectory, load_experiment, run_experiment
 
 
@@ -22,6 +22,7 @@ def command(
     hinges: Hinges = 1,
     effect: Annotated[list[str] | None, typer.Option(metavar="ID:key=value,...", help="Effect to add.")] = None,
     seed: Annotated[int, typer.Option(help="Of the sensor noise.")] = 0,
+    scene: Annotated[bool, typer.Option("--scene", help="Add /tf and /scene: a viewer shows the boom moving.")] = False,
     noise: Annotated[bool, typer.Option(help="Sensor noise of the machine file.")] = True,
 ) -> None:
     """Simulate an experiment from rest and write what the machine's sensors record, as MCAP."""
@@ -44,7 +45,7 @@ def command(
         if isinstance(term, SignalEffect):
             recording = term.alter(recording)
     if output is not None:
-        write_mcap(recording, output)
+        write_mcap(recording, output, scene=boom_scene(trajectory) if scene else None)
     _print_summary(trajectory, plan.duration, output)
 
 

@@ -3,6 +3,7 @@
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
@@ -11,33 +12,39 @@ from mcap.writer import CompressionType, Writer
 
 from boom_mj.errors import LogError
 from boom_mj.logs.messages import make, typestore
+from boom_mj.logs.scene import TYPES as SCENE_TYPES
+from boom_mj.logs.scene import scene_messages
 from boom_mj.logs.topics import LOGGED, METADATA, TOPICS, Topic, refuse_gaps
-from boom_mj.recording import Recording
+from boom_mj.recording import Recording, Scene
 
 LAST_STAMP = 2**31 - 1  # s; ROS counts seconds in 32 bits
 
 
-def write_mcap(recording: Recording, path: str | Path, variance: Mapping[str, float] | None = None) -> None:
+def write_mcap(
+    recording: Recording,
+    path: str | Path,
+    variance: Mapping[str, float] | None = None,
+    beside: Mapping[str, Recording] | None = None,
+    scene: Scene | None = None,
+) -> None:
     """Write a recording as a log; times are rounded to nanoseconds.
 
     Args:
         recording: signals to write; a topic without signals is left out.
         path: file to write, or to replace; its folder exists.
         variance: noise variance by IMU signal name, the same on all axes, for the covariances; 0 otherwise.
+        beside: further recordings under topics with a prefix, such as {"/measured": log}; reading leaves them aside.
+        scene: what a viewer shows moving, as /tf and /scene.
 
     Raises:
         LogError: a signal that no topic carries, signals of one topic with different times, a time or a value
             that a log cannot hold, a file that cannot be written. The old file, if any, is untouched then.
     """
     variance = variance or {}
-    if unknown := [name for name in (*recording.signals, *variance) if name not in LOGGED]:
-        raise LogError(f"no topic carries {', '.join(unknown)}; a log holds {', '.join(LOGGED)}")
-    topics = [topic for topic in TOPICS if any(name in recording for name in topic.signals.values())]
-    if not topics:
-        raise LogError(f"recording '{recording.name}' has no signals to write")
-    stamps = [_stamps(recording, topic) for topic in topics]
+    parts = [_Part("", recording, variance), *(_Part(prefix, r, {}) for prefix, r in (beside or {}).items())]
+    columns = [column for part in parts for column in part.columns()]
     with whole_file(Path(path)) as stream:
-        _write(recording, topics, stamps, variance, stream)
+        _write(recording, columns, scene, stream)
 
 
 @contextmanager
@@ -71,35 +78,67 @@ def _stamps(recording: Recording, topic: Topic) -> np.ndarray:
     return stamps
 
 
-def _write(
-    recording: Recording,
-    topics: list[Topic],
-    stamps: list[np.ndarray],
-    variance: Mapping[str, float],
-    stream: IO[bytes],
-) -> None:
+@dataclass(frozen=True)
+class _Column:
+    """The messages of one topic: name in the file, kind, stamps in ns, rows and variances by message field."""
+
+    name: str
+    topic: Topic
+    stamps: np.ndarray
+    rows: Mapping[str, np.ndarray]
+    noise: Mapping[str, float]
+
+    def message(self, i: int) -> bytes:
+        time = make("builtin_interfaces/msg/Time", *divmod(int(self.stamps[i]), 10**9))
+        header = make("std_msgs/msg/Header", stamp=time, frame_id=self.topic.frame_id)
+        rows = {field: values[i] for field, values in self.rows.items()}
+        message = self.topic.kind.pack(header, self.topic.channels, rows, self.noise)
+        return bytes(typestore().serialize_cdr(message, self.topic.kind.ros_type))
+
+
+@dataclass(frozen=True)
+class _Part:
+    """A recording and the prefix of its topics."""
+
+    prefix: str
+    recording: Recording
+    variance: Mapping[str, float]
+
+    def columns(self) -> list[_Column]:
+        recording = self.recording
+        if unknown := [name for name in (*recording.signals, *self.variance) if name not in LOGGED]:
+            raise LogError(f"no topic carries {', '.join(unknown)}; a log holds {', '.join(LOGGED)}")
+        found = []
+        for topic in TOPICS:
+            present = {field: name for field, name in topic.signals.items() if name in recording}
+            if present:
+                rows = {field: recording[name].values for field, name in present.items()}
+                noise = {field: self.variance[name] for field, name in present.items() if name in self.variance}
+                found.append(_Column(self.prefix + topic.name, topic, _stamps(recording, topic), rows, noise))
+        if not found:
+            raise LogError(f"recording '{recording.name}' has no signals to write")
+        return found
+
+
+def _write(recording: Recording, columns: list[_Column], scene: Scene | None, stream: IO[bytes]) -> None:
     writer = Writer(stream, compression=CompressionType.ZSTD)
     writer.start(profile="ros2", library="boom_mj")
     labels = {"name": recording.name, "machine": recording.machine, "description": recording.description}
     writer.add_metadata(METADATA, labels)
 
-    schemas: dict[str, int] = {}
-    for ros_type in dict.fromkeys(topic.kind.ros_type for topic in topics):
+    types = {column.name: column.topic.kind.ros_type for column in columns} | (SCENE_TYPES if scene else {})
+    schemas = {}
+    for ros_type in dict.fromkeys(types.values()):
         definition, _ = typestore().generate_msgdef(ros_type, ros_version=2)
         schemas[ros_type] = writer.register_schema(ros_type, "ros2msg", definition.encode())
-    channels = [writer.register_channel(topic.name, "cdr", schemas[topic.kind.ros_type]) for topic in topics]
-    rows = [{f: recording[s].values for f, s in topic.signals.items() if s in recording} for topic in topics]
-    noise = [{f: variance[s] for f, s in topic.signals.items() if s in variance} for topic in topics]
+    channels = {name: writer.register_channel(name, "cdr", schemas[ros_type]) for name, ros_type in types.items()}
 
-    when = np.concatenate(stamps)  # (N,) over all messages, ns
-    which = np.repeat(np.arange(len(topics)), [s.size for s in stamps])
-    sample = np.concatenate([np.arange(s.size) for s in stamps])
+    when = np.concatenate([column.stamps for column in columns])  # (N,) over all messages, ns
+    which = np.repeat(np.arange(len(columns)), [column.stamps.size for column in columns])
+    sample = np.concatenate([np.arange(column.stamps.size) for column in columns])
     for m in np.lexsort((which, when)):
-        stamp, k, i = int(when[m]), which[m], int(sample[m])
-        topic = topics[k]
-        time = make("builtin_interfaces/msg/Time", *divmod(stamp, 10**9))
-        header = make("std_msgs/msg/Header", stamp=time, frame_id=topic.frame_id)
-        message = topic.kind.pack(header, topic.channels, {f: v[i] for f, v in rows[k].items()}, noise[k])
-        data = bytes(typestore().serialize_cdr(message, topic.kind.ros_type))
-        writer.add_message(channels[k], log_time=stamp, publish_time=stamp, sequence=i, data=data)
+        stamp, i, column = int(when[m]), int(sample[m]), columns[which[m]]
+        writer.add_message(channels[column.name], stamp, column.message(i), stamp, i)
+    for i, (stamp, name, message) in enumerate(scene_messages(scene) if scene else ()):
+        writer.add_message(channels[name], stamp, bytes(typestore().serialize_cdr(message, types[name])), stamp, i)
     writer.finish()

@@ -2,3 +2,4 @@
 
 from boom_mj.mjcf.builder import BoomModel as BoomModel
 from boom_mj.mjcf.builder import build as build
+from boom_mj.mjcf.scene import YELLOW as YELLOW

@@ -5,6 +5,7 @@ from boom_mj.recording.names import Quantity as Quantity
 from boom_mj.recording.names import named_signal as named_signal
 from boom_mj.recording.names import point_channels as point_channels
 from boom_mj.recording.recording import Recording as Recording
+from boom_mj.recording.scene import Scene as Scene
 from boom_mj.recording.signal import Signal as Signal
 from boom_mj.recording.signal import Spectrum as Spectrum
 from boom_mj.recording.signal import align as align

@@ -9,3 +9,4 @@ from boom_mj.sensors.replay import Group as Group
 from boom_mj.sensors.replay import Replay as Replay
 from boom_mj.sensors.replay import compare as compare
 from boom_mj.sensors.replay import replay as replay
+from boom_mj.sensors.scene import boom_scene as boom_scene
