@@ -7,12 +7,11 @@ import numpy as np
 import typer
 
 from boom_mj.cli.arguments import Hinges, MachineFile, find_machine, output_path
-from boom_mj.effects import ModelEffect, SignalEffect, parse_effect
+from boom_mj.effects import parse_effect
 from boom_mj.logs import write_mcap
-from boom_mj.mjcf import build
 from boom_mj.recording import named_signal
 from boom_mj.sensors import boom_scene, measure
-from boom_mj.simulation import CATALOGUE, Plant, Trajectory, load_experiment, run_experiment
+from boom_mj.simulation import CATALOGUE, Trajectory, load_experiment, make_plant, run_experiment
 
 
 def command(
@@ -29,11 +28,7 @@ def command(
     if output is not None:
         output_path(output, ".mcap")
     plan, effects = load_experiment(experiment), [parse_effect(text) for text in effect or []]
-    boom = build(find_machine(machine), hinges)
-    for term in effects:
-        if isinstance(term, ModelEffect):
-            term.edit(boom.spec, boom.machine)
-    trajectory = run_experiment(Plant(boom, boom.compile()), plan)
+    trajectory = run_experiment(make_plant(find_machine(machine), hinges, effects), plan)
     rng = np.random.default_rng(seed) if noise else None
     recording = measure(trajectory, plan.name, plan.description, plan.duration, rng)
     time = recording["joint/position"].time
@@ -41,9 +36,6 @@ def command(
     commands = {"joint_command/position": path[0], "joint_command/velocity": path[1]}
     signals = {name: named_signal(name, time, values) for name, values in commands.items()}
     recording = recording.with_signals(signals)
-    for term in effects:
-        if isinstance(term, SignalEffect):
-            recording = term.alter(recording)
     if output is not None:
         write_mcap(recording, output, scene=boom_scene(trajectory) if scene else None)
     _print_summary(trajectory, plan.duration, output)

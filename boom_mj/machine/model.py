@@ -196,6 +196,14 @@ class Noise(_Frozen):
     cylinder_force: NonNegative
 
 
+class EffectEntry(_Frozen):
+    """An effect that this machine has beyond the nominal model: its id, and its place and parameters by name."""
+
+    model_config = ConfigDict(frozen=True, extra="allow")
+
+    id: str
+
+
 class Sensors(_Frozen):
     rates_hz: Rates
     noise: Noise
@@ -218,6 +226,7 @@ class Machine(_Frozen):
     end_hose: EndHose
     delivery_pipe: DeliveryPipe
     sensors: Sensors
+    effect: tuple[EffectEntry, ...] = ()
 
     @property
     def links(self) -> tuple[Link, ...]:

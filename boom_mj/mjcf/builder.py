@@ -73,7 +73,8 @@ def build(machine: Machine, hinges: int = 1) -> BoomModel:
     spec.option.gravity = [0, 0, -machine.gravity]
     scene.dress(spec, machine)
 
-    turret = spec.worldbody.add_body(name="turret", pos=[0, 0, machine.slewing.pivot_height], quat=[1, 1, 0, 0])
+    base = spec.worldbody.add_body(name="base")
+    turret = base.add_body(name="turret", pos=[0, 0, machine.slewing.pivot_height], quat=[1, 1, 0, 0])
     _set_inertia(
         turret, RigidInertia(1e-3, np.zeros(3), 1e-3 * np.eye(3))
     )  # turns with a drive: its inertia is no matter

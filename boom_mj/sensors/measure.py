@@ -1,7 +1,10 @@
 """What the machine's sensors say of a simulated motion: rates, and noise if asked for."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from boom_mj.effects import AngleEffect, Effect, SignalEffect
 from boom_mj.machine import Machine, cylinder_lengths
 from boom_mj.recording import Recording, Signal, named_signal
 from boom_mj.simulation import Trajectory
@@ -11,7 +14,7 @@ RESOLUTION = 10.0  # steps of a sensor's converter within one standard deviation
 
 
 def ideal_signals(trajectory: Trajectory) -> dict[str, Signal]:
-    """Every sensor without noise, at the steps of the simulation."""
+    """Every sensor without noise, at the steps of the simulation, as the plant's effects leave it."""
     machine, time = trajectory.plant.machine, trajectory.time
     found = {"joint/position": trajectory.joints}
     for link in machine.links:
@@ -22,7 +25,25 @@ def ideal_signals(trajectory: Trajectory) -> dict[str, Signal]:
     found["cylinder/force"] = trajectory.cylinder_force
     found["cylinder/length"] = cylinder_lengths(machine, trajectory.joints)
     found["load"] = trajectory.tip_force
-    return {name: named_signal(name, time, values) for name, values in found.items()}
+    signals = {name: named_signal(name, time, values) for name, values in found.items()}
+    return apply_sensor_effects(trajectory.plant.effects, signals, machine)
+
+
+def apply_sensor_effects(effects: Sequence[Effect], signals: dict[str, Signal], machine: Machine) -> dict[str, Signal]:
+    """What sensors with effects make of ideal signals."""
+    for effect in effects:
+        if isinstance(effect, SignalEffect):
+            signals = {**signals, **effect.alter(signals, machine)}
+        if isinstance(effect, AngleEffect):
+            joints = signals["joint/position"]
+            read = joints.values + effect.error(joints.values)
+            signals = {**signals, "joint/position": named_signal("joint/position", joints.time, read)}
+    return signals
+
+
+def true_angles(effects: Sequence[Effect], reading: Array) -> Array:
+    """Joint angles behind a reading, (n, 5), rad: errors are small, so that their value at the reading serves."""
+    return reading - sum((e.error(reading) for e in effects if isinstance(e, AngleEffect)), np.zeros_like(reading))
 
 
 def sample_rates(machine: Machine) -> dict[str, float]:

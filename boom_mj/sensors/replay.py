@@ -4,10 +4,11 @@ import time as clock
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import make_interp_spline
 
 from boom_mj.errors import LogError
 from boom_mj.recording import Recording, named_signal
-from boom_mj.sensors.measure import ideal_signals, noise_levels, sample
+from boom_mj.sensors.measure import ideal_signals, noise_levels, sample, true_angles
 from boom_mj.simulation import Plant, Trajectory, run, smooth_angles, step_times
 
 Array = np.ndarray
@@ -59,7 +60,7 @@ def replay(plant: Plant, log: Recording) -> Replay:
         raise LogError(f"log {log.name!r}: the joint angles cannot drive the model: {what}")
     start, noise = joints.time[0], noise_levels(plant.machine)
     steps = step_times(plant, joints.time[-1] - start)
-    angles = smooth_angles(joints.time - start, joints.values, noise["joint/position"][0], steps)
+    angles = true_angles(plant.effects, driving_angles(log, noise["joint/position"][0], steps + start))
     force = sample(log["load"], steps + start) if "load" in log else np.zeros((len(steps), 3))
     began = clock.perf_counter()
     trajectory = run(plant, angles, force)
@@ -73,6 +74,26 @@ def replay(plant: Plant, log: Recording) -> Replay:
     }
     recording = Recording(log.name, plant.machine.name, f"simulated twin: {log.description}", twin)
     return Replay(log, recording, trajectory, compare(log, recording, noise), wall)
+
+
+def driving_angles(log: Recording, noise: float, at: Array) -> Array:
+    """Smooth joint angles of a log at new times, (m, 5), rad.
+
+    Where the log tells the commanded angles, only what the sensors read beyond them is smoothed: a drive that follows
+    leaves a constant there, one that lags leaves its lag.
+
+    Args:
+        noise: standard deviation of the angle sensors, rad.
+        at: times wanted, (m,), s; beyond the samples the ends are held.
+    """
+    joints = log["joint/position"]
+    if "joint_command/position" not in log:
+        return smooth_angles(joints.time, joints.values, noise, at)
+    command = log["joint_command/position"]
+    reference = make_interp_spline(command.time, command.values, k=5)
+    within = np.clip(at, command.time[0], command.time[-1])
+    beyond = joints.values - reference(np.clip(joints.time, command.time[0], command.time[-1]))
+    return reference(within) + smooth_angles(joints.time, beyond, noise, at)
 
 
 def compare(log: Recording, twin: Recording, noise: dict[str, Array]) -> tuple[Group, ...]:

@@ -1,18 +1,22 @@
 """A compiled boom: which entries of MuJoCo's state are joints, which are elastic hinges, and its rest and its modes."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import mujoco
 import numpy as np
 from scipy.linalg import eigh
 
+from boom_mj.effects import Effect, LoadEffect, ModelEffect, effects_of
 from boom_mj.errors import EquilibriumError
 from boom_mj.machine import Machine
 from boom_mj.mjcf import BoomModel, build
 
 Array = np.ndarray
 JOINTS = 5
+LONGEST_STEP = 0.3  # rad, of Newton's method
+FLOPPY = 1e-6  # N m/rad, what counts as no stiffness at all
 STEP = 1e-6  # rad, central differences of MuJoCo's forces: their error is its square, times a curvature of order 1
 
 
@@ -33,10 +37,11 @@ class Vibration:
 
 @dataclass(frozen=True)
 class Plant:
-    """A boom model, compiled. `scratch` is overwritten by every method and carries nothing between calls."""
+    """A boom model, compiled, and the effects it has. `scratch` is overwritten by every method."""
 
     boom: BoomModel
     model: mujoco.MjModel
+    effects: tuple[Effect, ...] = ()
 
     @cached_property
     def scratch(self) -> mujoco.MjData:
@@ -53,7 +58,7 @@ class Plant:
 
     @cached_property
     def elastic(self) -> Array:
-        """Addresses of the elastic hinges in qpos and qvel, (nv - 5,)."""
+        """Addresses of all but the driven joints in qpos and qvel: what gives, (nv - 5,)."""
         return np.setdiff1d(np.arange(self.model.nv), self.joints)
 
     @cached_property
@@ -64,6 +69,9 @@ class Plant:
     def _at(self, qpos: Array) -> mujoco.MjData:
         mujoco.mj_resetData(self.model, self.scratch)
         self.scratch.qpos[:] = qpos
+        if self.model.nplastic:  # what can slip has slipped into rest
+            mujoco.mj_fwdPosition(self.model, self.scratch)
+            self.scratch.plastic[:] = relaxed(self.model, self.scratch.ten_length)
         mujoco.mj_forward(self.model, self.scratch)
         return self.scratch
 
@@ -77,15 +85,19 @@ class Plant:
         """World position of the boom's tip, (3,), m."""
         return self._at(qpos).site("tip").xpos.copy()
 
-    def rest_force(self, qpos: Array, tip_force: Array) -> Array:
-        """What is missing for rest at qpos: weight less springs less the tip force, per coordinate, (nv,)."""
+    def rest_force(self, qpos: Array, loads: Mapping[str, Array]) -> Array:
+        """What is missing for rest at qpos: weight less springs less the forces on sites, per coordinate, (nv,)."""
         data, jacobian = self._at(qpos), np.zeros((3, self.model.nv))
-        mujoco.mj_jacSite(self.model, data, jacobian, None, self.model.site("tip").id)
-        return data.qfrc_bias - data.qfrc_passive - jacobian.T @ tip_force
+        missing = data.qfrc_bias - data.qfrc_passive
+        world = data.site("world").xmat.reshape(3, 3)
+        for site, force in loads.items():
+            mujoco.mj_jacSite(self.model, data, jacobian, None, self.model.site(site).id)
+            missing -= jacobian.T @ (world @ force)
+        return missing
 
-    def stiffness(self, qpos: Array, tip_force: Array | None = None) -> Array:
-        """Derivative of `rest_force` over the elastic hinges, symmetric, (nv - 5, nv - 5), N m/rad."""
-        force = np.zeros(3) if tip_force is None else tip_force
+    def stiffness(self, qpos: Array, loads: Mapping[str, Array] | None = None) -> Array:
+        """Derivative of `rest_force` over what gives, symmetric, (nv - 5, nv - 5), N m/rad."""
+        force = loads or {}
         columns = []
         for k in self.elastic:
             step = STEP * (np.arange(self.model.nv) == k)
@@ -93,22 +105,29 @@ class Plant:
         slope = np.array(columns).T[self.elastic] / (2 * STEP)
         return (slope + slope.T) / 2
 
-    def static_equilibrium(self, joints: Array, tip_force: Array | None = None) -> Array:
-        """qpos (nq,) at rest under weight and a force on the tip (world, N), joints held at q1..q5 (rad).
+    def static_equilibrium(
+        self, joints: Array, tip_force: Array | None = None, loads: Mapping[str, Array] | None = None
+    ) -> Array:
+        """qpos (nq,) at rest under weight, a force on the tip and on other sites (world, N), joints at q1..q5 (rad).
 
         Raises:
             EquilibriumError: Newton's method did not settle.
         """
-        force = np.zeros(3) if tip_force is None else np.asarray(tip_force, float)
+        force = {**(loads or {}), "tip": np.zeros(3) if tip_force is None else np.asarray(tip_force, float)}
+        force["tip"] = force["tip"] + (loads or {}).get("tip", 0.0)
         qpos = np.zeros(self.model.nq)
         qpos[self.joints] = joints
-        for _ in range(20):
-            step = np.linalg.solve(self.stiffness(qpos, force), self.rest_force(qpos, force)[self.elastic])
+        for _ in range(40):
+            stiffness, missing = self.stiffness(qpos, force), self.rest_force(qpos, force)[self.elastic]
+            curvature, direction = np.linalg.eigh(stiffness)
+            # downhill along every axis, a pendulum that stands on its head included
+            step = direction @ ((direction.T @ missing) / np.maximum(np.abs(curvature), FLOPPY))
+            step *= min(1.0, LONGEST_STEP / np.max(np.abs(step)))
             qpos[self.elastic] -= step
             if np.max(np.abs(step)) < 1e-11:
                 return qpos
         raise EquilibriumError(
-            f"no static equilibrium at joints {np.degrees(joints).round(2)} deg under tip force {force} N: "
+            f"no static equilibrium at joints {np.degrees(joints).round(2)} deg under tip force {force['tip']} N: "
             f"the last Newton step was {np.max(np.abs(step)):.2g} rad"
         )
 
@@ -122,10 +141,42 @@ class Plant:
 
     def static_torques(self, qpos: Array, tip_force: Array | None = None) -> Array:
         """Drive torques of joints 1-5 at rest, (5,), N m."""
-        return self.rest_force(qpos, np.zeros(3) if tip_force is None else tip_force)[self.joints]
+        return self.rest_force(qpos, {} if tip_force is None else {"tip": tip_force})[self.joints]
 
 
-def make_plant(machine: Machine, hinges: int = 1) -> Plant:
-    """Build and compile a machine's model with `hinges` hinges per elastic coordinate."""
-    boom = build(machine, hinges)
-    return Plant(boom, boom.compile())
+def relaxed(model: mujoco.MjModel, tendon_length: Array) -> Array:
+    """Rest ranges of the slipping tendons that leave them without force, (nplastic,)."""
+    rest = np.zeros(model.nplastic)
+    for tendon in np.flatnonzero(model.tendon_plasticadr >= 0):
+        rest[model.tendon_plasticadr[tendon] :][:2] = tendon_length[tendon]
+    return rest
+
+
+def add_pushes(spec: mujoco.MjSpec, machine: Machine, effect: LoadEffect) -> None:
+    """Actuators `push_SITE_x`.. for the sites that an effect pushes on."""
+    for site in effect.push(machine, np.zeros(1), np.zeros((1, JOINTS))):
+        for k, axis in enumerate("xyz"):
+            if spec.actuator(f"push_{site}_{axis}") is None:
+                kind = mujoco.mjtTrn.mjTRN_SITE
+                push = spec.add_actuator(name=f"push_{site}_{axis}", target=site, refsite="world", trntype=kind)
+                push.gear = np.eye(6)[k]
+
+
+def make_plant(machine: Machine, hinges: int = 1, effects: Sequence[Effect] = ()) -> Plant:
+    """Build and compile a machine's model with `hinges` hinges per elastic coordinate.
+
+    Args:
+        effects: beyond those that the machine file holds.
+    """
+    return with_effects(build(machine, hinges), (*effects_of(machine), *effects))
+
+
+def with_effects(boom: BoomModel, effects: Sequence[Effect]) -> Plant:
+    """A plant of a boom with effects; the boom itself stays as it is."""
+    boom = replace(boom, spec=boom.spec.copy())
+    for effect in effects:
+        if isinstance(effect, ModelEffect):
+            effect.edit(boom.spec, boom.machine)
+        if isinstance(effect, LoadEffect):
+            add_pushes(boom.spec, boom.machine, effect)
+    return Plant(boom, boom.compile(), tuple(effects))

@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 from mujoco.batch import Batch
 
+from boom_mj.effects import LoadEffect
 from boom_mj.errors import SimulationError
 from boom_mj.machine import cylinder_forces
 from boom_mj.simulation.experiments import Experiment
@@ -106,9 +107,15 @@ def run(plant: Plant, angles: Array, tip_force: Array) -> Trajectory:
     drives = [model.actuator(f"drive{k + 1}").id for k in range(JOINTS)]
     control[:, drives] = angles + np.diff(speed, axis=0) / step / SERVO**2
     control[:, [model.actuator(f"rope_{axis}").id for axis in "xyz"]] = tip_force
+    pushes = _pushes(plant, step * np.arange(len(angles)), angles)
+    for site, force in pushes.items():
+        control[:, [model.actuator(f"push_{site}_{axis}").id for axis in "xyz"]] = force
 
     batch = Batch(model, 1, 1)
-    batch.qpos[0] = start = plant.static_equilibrium(angles[0], tip_force[0])
+    at_start = {site: force[0] for site, force in pushes.items()}
+    batch.qpos[0] = start = plant.static_equilibrium(angles[0], tip_force[0], at_start)
+    if model.nplastic:
+        batch.plastic[0] = plant.scratch.plastic
     batch.qvel[0] = 0
     batch.qvel[0, plant.joints] = speed[0]
     first_speed = batch.qvel[0].copy()
@@ -136,6 +143,16 @@ def run(plant: Plant, angles: Array, tip_force: Array) -> Trajectory:
         tip_force=np.asarray(tip_force),
         sensordata=_centre_gyros(model, record["sensordata"][0]),
     )
+
+
+def _pushes(plant: Plant, time: Array, joints: Array) -> dict[str, Array]:
+    """Forces of all the plant's effects, by site, (n, 3), N."""
+    total: dict[str, Array] = {}
+    for effect in plant.effects:
+        if isinstance(effect, LoadEffect):
+            for site, force in effect.push(plant.machine, time, joints).items():
+                total[site] = total.get(site, 0.0) + force
+    return total
 
 
 def _centre_gyros(model: mujoco.MjModel, data: Array) -> Array:

@@ -1,71 +1,104 @@
 """Laws that every effect obeys; a new file in the library is tested the day it lands."""
 
-from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
-import mujoco
+import numpy as np
 import pytest
 
-from boom_mj.effects import Effect, ModelEffect, Parameter, effect, library, parse_effect
+from boom_mj.effects import Effect, library, parse_effect
 from boom_mj.errors import EffectError
-from boom_mj.machine import Machine, load_machine
+from boom_mj.machine import load_machine
 from boom_mj.mjcf import build
+from boom_mj.recording import Recording
+from boom_mj.sensors import measure
+from boom_mj.simulation import CATALOGUE, Experiment, make_plant, run_experiment
+from boom_mj.simulation.plant import with_effects
 
 BOOM = load_machine(Path(__file__).parents[2] / "models" / "boom36.toml")
+SEEN_IN = ("slew_t", "sweep", "release_bow_vertical")
+KINDS = list(library().values())
+PLACES = [(kind, place) for kind in KINDS for place in kind.locations()]
 
 
-class HeavyTip(ModelEffect):
-    """A stand-in while the library is empty: a mass at the tip."""
-
-    id = "heavy_tip"
-    parameters = {"mass": Parameter("kg", 0.0, 0.0, 500.0)}  # noqa: RUF012
-
-    def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
-        """Adds to the last link's mass."""
-        body = spec.body("link5_2")
-        body.mass = body.mass + self.values["mass"]
+def called(value: object) -> str:
+    return value.id if isinstance(value, type) else ",".join(map(str, value.values()))
 
 
-def everything() -> list[type[Effect]]:
-    return [HeavyTip, *library().values()]
+@cache
+def experiment(name: str) -> Experiment:
+    return CATALOGUE[name]
 
 
-@pytest.fixture
-def with_heavy_tip(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    monkeypatch.setattr(effect, "library", lambda: {"heavy_tip": HeavyTip, **library()})
-    yield
+def record(name: str, *effects: Effect) -> Recording:
+    plan = experiment(name)
+    return measure(run_experiment(make_plant(BOOM, 1, effects), plan), name, "", plan.duration)
 
 
-@pytest.mark.parametrize("kind", everything(), ids=lambda kind: kind.id)
+@cache
+def nominal(name: str) -> Recording:
+    return record(name)
+
+
+def typical(kind: type[Effect], place: dict) -> Effect:
+    """All knobs at once at the last of their probes, so that polar effects have an amplitude."""
+    values: dict[str, float] = {}
+    for probe in kind.probes(place, (0.45,)):
+        values |= probe
+    return kind(place, **values)
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=called)
 def test_neutral_parameters_change_nothing(kind: type[Effect]) -> None:
-    term, boom = kind(), build(BOOM)
-    before = boom.to_xml()
-    if isinstance(term, ModelEffect):
-        term.edit(boom.spec, BOOM)
-    assert boom.to_xml() == before
+    boom = build(BOOM)
+    effects = [kind(place) for place in kind.locations()]
+    assert with_effects(boom, [e for e in effects if not hasattr(e, "push")]).boom.to_xml() == boom.to_xml()
+    found, wanted = record("slew_t", *effects), nominal("slew_t")
+    for name, signal in wanted.signals.items():
+        assert np.array_equal(found[name].values, signal.values, equal_nan=True), name
 
 
-@pytest.mark.parametrize("kind", everything(), ids=lambda kind: kind.id)
+@pytest.mark.parametrize(("kind", "place"), PLACES, ids=called)
+def test_every_effect_moves_some_recording(kind: type[Effect], place: dict) -> None:
+    from boom_mj.sensors import noise_levels
+
+    term, levels, moved = typical(kind, place), noise_levels(BOOM), 0.0
+    for name in SEEN_IN:
+        found = record(name, term)
+        for signal, level in levels.items():
+            change = np.abs(found[signal].values - nominal(name)[signal].values) / level
+            moved = max(moved, float(np.nanmax(change)))
+    assert 0.05 < moved < 1e4  # the torsion of the last link hardly matters
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=called)
 def test_parameters_are_bounded_and_documented(kind: type[Effect]) -> None:
-    assert kind.__doc__ and kind.parameters
+    assert kind.__doc__ and kind.parameters and kind.told_by in CATALOGUE
+    place = kind.locations()[0]
     for name, bound in kind.parameters.items():
         assert bound.low <= bound.neutral <= bound.high
+        assert bound.value(bound.coordinate(bound.value(0.7))) == pytest.approx(bound.value(0.7))
         with pytest.raises(EffectError, match=name):
-            kind(**{name: bound.high + 1})
+            kind(place, **{name: bound.low - 1})
 
 
-def test_text_becomes_an_effect(with_heavy_tip: None) -> None:
-    boom = build(BOOM)
-    before = sum(boom.compile().body_mass)
-    term = parse_effect("heavy_tip:mass=50")
-    assert isinstance(term, ModelEffect)
-    term.edit(boom.spec, BOOM)
-    assert sum(boom.compile().body_mass) == pytest.approx(before + 50)
+def test_text_becomes_an_effect() -> None:
+    term = parse_effect("link_stiffness:link=3,axis=w,factor=0.9")
+    assert term.location == {"link": 3, "axis": "w"} and term.values == {"factor": 0.9}
+    mass = [sum(make_plant(BOOM, 1, e).model.body_mass) for e in ([], [parse_effect("tip_payload:mass=50")])]
+    assert mass[1] - mass[0] == pytest.approx(50)
 
 
 @pytest.mark.parametrize(
-    ("text", "told"), [("ghost", "heavy_tip"), ("heavy_tip:weight=1", "mass"), ("heavy_tip:mass=lots", "number")]
+    ("text", "told"),
+    [
+        ("ghost", "tip_payload"),
+        ("tip_payload:weight=1", "mass"),
+        ("tip_payload:mass=lots", "number"),
+        ("tip_payload:mass", "key=value"),
+        ("link_mass:link=7,factor=1.1", "2, 3, 4, 5"),
+    ],
 )
-def test_bad_effects_are_named(with_heavy_tip: None, text: str, told: str) -> None:
+def test_bad_effects_are_named(text: str, told: str) -> None:
     with pytest.raises(EffectError, match=told):
         parse_effect(text)

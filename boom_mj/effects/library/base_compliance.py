@@ -1,0 +1,33 @@
+"""Outriggers that give."""
+
+import mujoco
+import numpy as np
+
+from boom_mj.effects.effect import Location, ModelEffect, Parameter
+from boom_mj.machine import Machine
+
+
+class BaseCompliance(ModelEffect):
+    """The whole machine rolls (about x) or pitches (about y) on springs at the origin, seen from the ground."""
+
+    id = "base_compliance"
+    places = {"axes": ("roll", "pitch", "roll+pitch")}
+    parameters = {
+        "roll": Parameter("N m/rad", np.inf, 1e6, np.inf, 3e8, inverse=True),
+        "pitch": Parameter("N m/rad", np.inf, 1e6, np.inf, 3e8, inverse=True),
+    }
+    confused_with = ("hydraulic_compliance joint 2", "slew_compliance", "link_stiffness link2")
+    told_by = "slew_tour"
+
+    @classmethod
+    def knobs(cls, location: Location) -> tuple[str, ...]:
+        return tuple(str(location["axes"]).split("+"))
+
+    def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
+        for name, axis in (("roll", [1, 0, 0]), ("pitch", [0, 1, 0])):
+            if np.isfinite(stiffness := self.values[name]):
+                base = spec.body("base")
+                base.explicitinertial, base.mass, base.inertia = True, 1.0, [1.0, 1.0, 1.0]  # a moving body has some
+                spring = base.add_joint(name=f"base_{name}", axis=axis)
+                spring.stiffness[0] = stiffness
+                spring.damping[0] = machine.damping.relaxation_time * stiffness

@@ -1,0 +1,26 @@
+"""A machine that stands aslant."""
+
+import mujoco
+from scipy.spatial.transform import Rotation
+
+from boom_mj.effects.effect import ModelEffect, Parameter
+from boom_mj.machine import Machine
+
+
+class BaseTilt(ModelEffect):
+    """Gravity and load tilt against the machine, rolled about x, then pitched about y; markers stay with it."""
+
+    id = "base_tilt"
+    parameters = {
+        "roll": Parameter("rad", 0.0, -0.3, 0.3, 0.005),
+        "pitch": Parameter("rad", 0.0, -0.3, 0.3, 0.005),
+    }
+    confused_with = ("imu_misalignment", "joint zero offsets")
+    told_by = "slew_tour"
+
+    def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
+        if not any(self.values.values()):
+            return
+        tilt = Rotation.from_euler("xy", [self.values["roll"], self.values["pitch"]]).inv()
+        spec.option.gravity = tilt.apply([0.0, 0.0, -machine.gravity])
+        spec.site("world").quat = tilt.as_quat(scalar_first=True)

@@ -1,0 +1,33 @@
+"""Friction of a cylinder's seals."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+from boom_mj.effects.effect import Parameter, SignalEffect
+from boom_mj.machine import Machine, cylinder_lengths
+from boom_mj.recording import Signal, named_signal
+
+CREEP = 2e-4  # m/s, the rate over which friction changes sign
+
+
+class JointFriction(SignalEffect):
+    """Coulomb friction between piston and pressure sensor: the motion does not change, the force has a hysteresis."""
+
+    id = "joint_friction"
+    places = {"joint": (2, 3)}
+    parameters = {"cylinder_force": Parameter("N", 0.0, 0.0, 1e5, 5e3)}
+    confused_with = ("pressure_scale", "structural_hysteresis")
+    told_by = "sweep"
+
+    def alter(self, signals: Mapping[str, Signal], machine: Machine) -> Mapping[str, Signal]:
+        if self.values["cylinder_force"] == 0:
+            return {}
+        column = int(self.location["joint"]) - 2
+        joints, force = signals["joint/position"], signals["cylinder/force"]
+        length = cylinder_lengths(machine, joints.values)[:, column]
+        rate = np.gradient(gaussian_filter1d(length, 10), joints.time)
+        values = force.values.copy()
+        values[:, column] += self.values["cylinder_force"] * np.tanh(rate / CREEP)
+        return {"cylinder/force": named_signal("cylinder/force", force.time, values)}

@@ -1,0 +1,21 @@
+"""Backlash of the slewing gear."""
+
+import mujoco
+
+from boom_mj.effects.effect import ModelEffect, Parameter
+from boom_mj.effects.library.joint_play import add_gap
+from boom_mj.machine import Machine
+
+
+class SlewBacklash(ModelEffect):
+    """Between the slewing sensor (drive side) and the turret lies a gap: free around zero torque, then a jolt."""
+
+    id = "slew_backlash"
+    parameters = {"half_gap": Parameter("rad", 0.0, 0.0, 0.05, 0.003)}
+    confused_with = ("slew_compliance",)
+    told_by = "slew_t"
+    sizes = (0.5, 1.5)
+
+    def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
+        if self.values["half_gap"]:
+            add_gap(spec, 1, "joint1_backlash", self.values["half_gap"])

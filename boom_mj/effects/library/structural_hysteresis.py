@@ -1,0 +1,47 @@
+"""Dry friction in a bolted link."""
+
+import mujoco
+import numpy as np
+
+from boom_mj.effects.effect import ModelEffect, Parameter
+from boom_mj.effects.structure import link_hinges
+from boom_mj.machine import Machine
+
+
+class StructuralHysteresis(ModelEffect):
+    """An elasto-slip (Jenkins) element in parallel to a link's bending: a spring that slips at a torque.
+
+    It turns with the link's tip against its clamp and starts relaxed. Damping falls with the amplitude, the rest
+    position depends on the way there. MuJoCo's `springyield` is the slider.
+    """
+
+    id = "structural_hysteresis"
+    places = {"joint": (2, 3, 4, 5)}
+    parameters = {
+        "stiffness": Parameter("N m/rad", 0.0, 0.0, 1e9, 1e6),
+        "slip_torque": Parameter("N m", 0.0, 0.0, 1e6, 2e3),
+    }
+    confused_with = ("structural_damping", "joint_friction")
+    told_by = "release_stretched_vertical_half"
+    sizes = (1.0,)
+
+    def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
+        stiffness, slip = self.values["stiffness"], self.values["slip_torque"]
+        if stiffness == 0 or slip == 0:
+            return
+        tendon = spec.add_tendon(name=f"slider{self.location['joint']}")
+        for hinge in link_hinges(spec, int(self.location["joint"]), "v"):
+            tendon.wrap_joint(hinge.name, 1.0)
+        tendon.stiffness[0] = stiffness
+        tendon.springlength = [0.0, 0.0]
+        tendon.springyield = slip / stiffness
+
+    @classmethod
+    def probes(cls, location, lines=()):  # type: ignore[no-untyped-def]
+        """Both parameters act together or not at all: a stick limit and three slip torques."""
+        return [{"stiffness": k, "slip_torque": t} for k, t in ((1e6, 5e2), (1e6, 2e3), (3e6, 6e3))]
+
+    @classmethod
+    def blend(cls, probes, weights):  # type: ignore[no-untyped-def]
+        """The probe that carries most."""
+        return dict(probes[int(np.argmax(np.abs(weights)))])

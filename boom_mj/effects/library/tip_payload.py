@@ -1,0 +1,22 @@
+"""A mass on the boom's tip."""
+
+import mujoco
+
+from boom_mj.effects.effect import ModelEffect, Parameter
+from boom_mj.machine import Machine
+
+
+class TipPayload(ModelEffect):
+    """A rigid mass at the tip: more sag, lower frequencies, cylinder forces in the ratio of their levers."""
+
+    id = "tip_payload"
+    parameters = {"mass": Parameter("kg", 0.0, 0.0, 1000.0, 40.0)}
+    confused_with = ("pipe_concrete", "link_mass link5", "link_stiffness link5", "end_hose")
+    told_by = "release_bow_vertical"
+
+    def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
+        if mass := self.values["mass"]:
+            tip = spec.site("tip")
+            tip.parent.add_body(
+                name="payload", pos=tip.pos, mass=mass, inertia=[1e-3, 1e-3, 1e-3], explicitinertial=True
+            )

@@ -1,0 +1,76 @@
+"""Wind on the links."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from scipy.signal import lfilter
+
+from boom_mj.effects.effect import Array, LoadEffect, Location, Parameter, Values
+from boom_mj.machine import Machine
+
+DENSITY = 1.225  # kg/m^3
+DRAG = 1.3  # of a box section across the wind
+GUST_TIME = 2.0  # s, correlation time of the gusts
+
+
+class Wind(LoadEffect):
+    """Drag of a horizontal wind on the sides of the links: 1/2 rho c_d h |v_n| v_n per length, v_n across the link.
+
+    Its load is laid on the marker sites of each link. Gusts are a first-order process of relative strength
+    `gust_strength`, drawn from a seed that no log tells; the diagnosis sees their mean only.
+    """
+
+    id = "wind"
+    parameters = {
+        "mean_speed": Parameter("m/s", 0.0, 0.0, 40.0, 5.0),
+        "direction": Parameter("rad", 0.0, -10.0, 10.0, 0.3),
+        "gust_strength": Parameter("1", 0.0, 0.0, 1.0, 0.2),
+    }
+    confused_with = ("thermal_bending w", "base_tilt", "joint zero offsets")
+    told_by = "slew_tour"
+
+    def push(self, machine: Machine, time: Array, joints: Array) -> Mapping[str, Array]:
+        speed = self.values["mean_speed"] * self._gusts(time)
+        blow = np.array([np.cos(self.values["direction"]), np.sin(self.values["direction"]), 0.0])
+        forces, places = {}, np.array(machine.sensors.markers_x)
+        for k, link in enumerate(machine.links):
+            pitch = joints[:, 1 : k + 2].sum(axis=1)
+            along = np.stack(
+                [np.cos(joints[:, 0]) * np.cos(pitch), np.sin(joints[:, 0]) * np.cos(pitch), np.sin(pitch)], axis=1
+            )
+            across = blow - (along @ blow)[:, None] * along  # (n, 3)
+            pressure = 0.5 * DENSITY * DRAG * (speed**2 * np.linalg.norm(across, axis=1))[:, None] * across
+            area = np.interp(np.linspace(-1, 0, 101), [-1, 0], link.height) * link.length / 101  # (101,)
+            for number, share in enumerate(_shares(places, np.linspace(-1, 0, 101), area)):
+                forces[f"marker{len(places) * k + number + 1}"] = share * pressure
+        return forces
+
+    def _gusts(self, time: Array) -> Array:
+        if self.values["gust_strength"] == 0 or len(time) < 2:
+            return np.ones_like(time)
+        step = time[1] - time[0]
+        decay = np.exp(-step / GUST_TIME)
+        shocks = np.random.default_rng(len(time)).normal(size=len(time)) * np.sqrt(1 - decay**2)
+        return np.maximum(1 + self.values["gust_strength"] * lfilter([1], [1, -decay], shocks), 0)
+
+    @classmethod
+    def knobs(cls, location: Location) -> tuple[str, ...]:
+        return "mean_speed", "direction"
+
+    @classmethod
+    def probes(cls, location: Location, lines: Sequence[float] = ()) -> list[dict[str, float]]:
+        """From in front and from the side."""
+        return [{"mean_speed": 5.0, "direction": d} for d in (0.0, np.pi / 2)]
+
+    @classmethod
+    def blend(cls, probes: Sequence[Values], weights: Array) -> dict[str, float]:
+        """Pressures add up."""
+        x, y = weights
+        return {"mean_speed": float(np.clip(5.0 * np.hypot(x, y) ** 0.5, 0, 40)), "direction": float(np.arctan2(y, x))}
+
+
+def _shares(places: Array, at: Array, load: Array) -> Array:
+    """Loads on a few places with the same sum and the same moment as a distributed one, (k,)."""
+    moments = np.vstack([np.ones_like(places), places])
+    wanted = np.array([load.sum(), load @ at])
+    return np.linalg.lstsq(moments, wanted, rcond=None)[0]
