@@ -21,12 +21,20 @@ class ExperimentError(InputError):
     """An experiment that does not exist or that the machine cannot perform."""
 
 
+class TopicMapError(InputError):
+    """A topic map that is none: every bad entry with its place, the value and what is allowed."""
+
+
 class EffectError(InputError):
     """An effect, or a parameter of one, that does not exist or is out of bounds."""
 
 
 class LogError(BoomError):
     """A log that cannot be read or lacks what was asked of it: file, topic, joint or time are named."""
+
+
+class LogWarning(UserWarning):
+    """What was done about a flaw of a log that does not stop its use; the command line shows it on stderr."""
 
 
 class EquilibriumError(BoomError):

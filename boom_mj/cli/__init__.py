@@ -1,11 +1,13 @@
 """The command line: one file per command. Exit status 0 done, 1 the work failed, 2 the call was wrong."""
 
 import sys
+import warnings
+from typing import Any
 
 import typer
 
 from boom_mj.cli import generate, replay, simulate, validate, view
-from boom_mj.errors import BoomError, InputError
+from boom_mj.errors import BoomError, InputError, LogWarning
 
 app = typer.Typer(
     help="Flexible large manipulators in MuJoCo: generate the model, simulate it, replay logs, check it.",
@@ -18,7 +20,9 @@ for command in (generate, simulate, replay, validate, view):
 
 
 def main() -> None:
-    """Run a command; errors are one sentence on stderr, never a traceback."""
+    """Run a command; errors and warnings are one sentence on stderr, never a traceback."""
+    warnings.simplefilter("always", LogWarning)
+    warnings.showwarning = _show_warning
     try:
         app()
     except BoomError as error:
@@ -27,3 +31,7 @@ def main() -> None:
     except KeyboardInterrupt:
         print("error: interrupted", file=sys.stderr)
         sys.exit(1)
+
+
+def _show_warning(message: Warning | str, *args: Any, **kwargs: Any) -> None:
+    print(f"warning: {message}", file=sys.stderr)

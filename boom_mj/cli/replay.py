@@ -9,14 +9,18 @@ import typer
 
 from boom_mj.cli.arguments import Hinges, find_machine, output_path
 from boom_mj.errors import InputError
-from boom_mj.logs import read_mcap, write_mcap
+from boom_mj.logs import load_topic_map, read_log, write_mcap
 from boom_mj.sensors import Replay, boom_scene, replay
 from boom_mj.simulation import make_plant
 
 
 def command(
-    log: Annotated[Path, typer.Argument(metavar="LOG", help="MCAP log with /joint_states.")],
+    log: Annotated[Path, typer.Argument(metavar="LOG", help="MCAP log, ROS bag or CSV table.")],
     machine: Annotated[str | None, typer.Option(help="Machine file or name; the log's own if left out.")] = None,
+    topic_map: Annotated[
+        Path | None,
+        typer.Option("--map", metavar="MAP.toml", help="What feeds which signal; `logs inspect` proposes one."),
+    ] = None,
     output: Annotated[Path | None, typer.Option("-o", metavar="OUT.mcap", help="Where the twin goes.")] = None,
     picture: Annotated[Path | None, typer.Option(metavar="PNG", help="Log and twin overlaid.")] = None,
     hinges: Hinges = 1,
@@ -31,7 +35,7 @@ def command(
             output_path(path, suffix)
     if not log.exists():
         raise InputError(f"{log}: there is no such log")
-    recording = read_mcap(log)
+    recording = read_log(log, None if topic_map is None else load_topic_map(topic_map))
     if machine is None and not recording.machine:
         raise InputError(f"{log}: the log does not name its machine; say which with --machine")
     result = replay(make_plant(find_machine(machine or recording.machine), hinges), recording)

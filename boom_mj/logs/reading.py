@@ -1,126 +1,131 @@
-"""MCAP file of ROS 2 messages -> Recording; what is wrong is refused by name, never repaired in silence."""
+"""Log of any format -> Recording; what is wrong is refused by name, never repaired in silence."""
 
-from collections.abc import Mapping
+import warnings
 from pathlib import Path
-from typing import IO, Any
 
-import numpy as np
-from mcap.reader import NonSeekingReader, SeekingReader
-from mcap.writer import MCAP0_MAGIC
+from boom_mj.errors import LogError, LogWarning
+from boom_mj.logs.channel import Batch, Channel
+from boom_mj.logs.checks import DRIVING, checked
+from boom_mj.logs.encodings import Decoder, decoder_of
+from boom_mj.logs.formats import format_of
+from boom_mj.logs.intake import Intake, Part
+from boom_mj.logs.merging import merged, with_shared_times
+from boom_mj.logs.topic_map import TopicMap, own_map
+from boom_mj.logs.topics import METADATA
+from boom_mj.recording import Recording, Signal
 
-from boom_mj.errors import LogError
-from boom_mj.logs.messages import typestore
-from boom_mj.logs.topics import METADATA, TOPIC_NAMED, Topic, refuse_gaps
-from boom_mj.recording import Recording, Signal, named_signal
 
+def read_log(path: str | Path, topic_map: TopicMap | None = None) -> Recording:
+    """Read a log: MCAP, a bag of ROS 1 or ROS 2, or a CSV table.
 
-def read_mcap(path: str | Path) -> Recording:
-    """Read a log; times are the header stamps.
-
-    Topics that the table does not know (cameras) are left aside, topics that are not there leave their signals
-    out. Without a metadata record the recording is called like the file and its machine is "".
-
-    Args:
-        path: MCAP file with ROS 2 messages in CDR.
+    Without a topic map the topics are those that `write_mcap` writes: others (cameras) are left aside, those that
+    are not there leave their signals out. Without a metadata record the recording is called like the file and its
+    machine is "". Flaws that do not stop the use of a log are told by `LogWarning`.
 
     Raises:
-        LogError: a file that is missing, damaged, cut off or no MCAP file; a topic of the wrong type or frame;
-            stamps that do not increase; missing joints; missing values. The message names file, topic and time.
+        LogError: a file that is missing, damaged or of no known format; a topic of the wrong type or frame; a clock
+            that was set back; missing joints; holes in joint angles. The message names file, topic and time.
     """
     path = Path(path)
+    reader = _Reader(path, topic_map or own_map())
     try:
-        with path.open("rb") as stream:
-            _check_ends(stream, path)
-            labels, messages = _load(stream, path)
+        for item in format_of(path).read(path, reader.wants):
+            if isinstance(item, Batch):
+                reader.take(item)
+            elif item.name == METADATA:
+                reader.labels = dict(item.values)
     except OSError as error:
         raise LogError(f"{path} cannot be read: {error.strerror or error}") from error
-    if not messages:
-        raise LogError(f"{path} has no messages on any of the topics {', '.join(TOPIC_NAMED)}")
-    signals: dict[str, Signal] = {}
-    for name, topic in TOPIC_NAMED.items():
-        if name in messages:
-            try:
-                signals |= _signals(topic, messages[name])
-            except LogError as error:
-                raise LogError(f"{path}, topic {name}: {error}") from error
+    labels = reader.labels
     return Recording(
         name=labels.get("name", path.stem),
         machine=labels.get("machine", ""),
         description=labels.get("description", ""),
-        signals=signals,
+        signals=reader.signals(),
     )
 
 
-def _check_ends(stream: IO[bytes], path: Path) -> None:
-    """An MCAP file begins and ends with the same eight bytes."""
-    if (start := stream.read(len(MCAP0_MAGIC))) != MCAP0_MAGIC:
-        raise LogError(f"{path} is {'empty' if not start else 'not an MCAP file'}")
-    size = stream.seek(0, 2)
-    stream.seek(max(size - len(MCAP0_MAGIC), len(MCAP0_MAGIC)))
-    if stream.read() != MCAP0_MAGIC:
-        raise LogError(f"{path} is cut off: it ends in the middle, {_readable(stream)}")
+def read_mcap(path: str | Path) -> Recording:
+    """Read a log that `write_mcap` wrote, or one with the same topics; see `read_log`."""
+    return read_log(path)
 
 
-def _load(stream: IO[bytes], path: Path) -> tuple[Mapping[str, str], Mapping[str, list[bytes]]]:
-    """Metadata of the experiment and the raw messages by topic, in the order of their log times."""
-    messages: dict[str, list[bytes]] = {}
-    checked: set[int] = set()
-    try:
-        stream.seek(0)
-        reader = SeekingReader(stream, validate_crcs=True)
-        labels = next((m.metadata for m in reader.iter_metadata() if m.name == METADATA), {})
-        for schema, channel, message in reader.iter_messages(topics=set(TOPIC_NAMED)):
-            if channel.id not in checked:
-                _check_type(TOPIC_NAMED[channel.topic], schema.name if schema else "no schema", channel, path)
-                checked.add(channel.id)
-            messages.setdefault(channel.topic, []).append(message.data)
-    except (LogError, OSError):
-        raise
-    except Exception as error:  # broken bytes raise whatever the parser and the decompressor stumble over
-        raise LogError(f"{path} is damaged, {_readable(stream)}: {error}") from error
-    return labels, messages
+class _Reader:
+    """Goes through a log once and hands every entry of the map its numbers."""
 
+    def __init__(self, path: Path, topic_map: TopicMap) -> None:
+        self.path, self.map = path, topic_map
+        self.labels: dict[str, str] = {}
+        self.intakes = [Intake(entry) for entry in topic_map.entries]
+        self.by_topic: dict[str, list[Intake]] = {}
+        for intake in self.intakes:
+            self.by_topic.setdefault(intake.entry.topic, []).append(intake)
+        self.decoders: dict[int, Decoder] = {}
+        self.there: dict[str, int] = {}  # messages by topic; all topics of the log
 
-def _check_type(topic: Topic, ros_type: str, channel: Any, path: Path) -> None:
-    is_, must = (ros_type, channel.message_encoding), (topic.kind.ros_type, "cdr")
-    if is_ != must:
-        raise LogError(f"{path}, topic {topic.name}: messages are {' in '.join(is_)}; must be {' in '.join(must)}")
+    def wants(self, topic: str) -> bool:
+        self.there.setdefault(topic, 0)
+        return topic in self.by_topic
 
-
-def _readable(stream: IO[bytes]) -> str:
-    """Up to when the messages of a broken file can be read."""
-    last = None
-    try:
-        stream.seek(0)
-        for _, _, message in NonSeekingReader(stream, validate_crcs=True).iter_messages(log_time_order=False):
-            last = message.log_time
-    except Exception:  # the break itself: what came before it counts
-        pass
-    return "without one readable message" if last is None else f"readable up to {last / 1e9:.3f} s"
-
-
-def _signals(topic: Topic, messages: list[bytes]) -> dict[str, Signal]:
-    stamps = np.empty(len(messages), np.int64)  # ns
-    rows: dict[str, list[np.ndarray | None]] = {field: [] for field in topic.signals}
-    for i, data in enumerate(messages):
+    def take(self, batch: Batch) -> None:
+        if not len(batch.messages):
+            return
+        channel, intakes = batch.channel, self.by_topic[batch.channel.topic]
+        self.there[channel.topic] += len(batch.messages)
+        fields = tuple(dict.fromkeys(field for intake in intakes for field in intake.fields))
         try:
-            message: Any = typestore().deserialize_cdr(data, topic.kind.ros_type)
-            stamps[i] = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
-            if not topic.accepts(message.header.frame_id):
-                raise ValueError(f"frame_id is '{message.header.frame_id}'; must be '{topic.frame_id}'")
-            for field, column in rows.items():
-                column.append(topic.kind.unpack(message, field, topic.channels))
-        except Exception as error:  # the CDR reader has no exception of its own for short or foreign bytes
-            after = f"after {stamps[i - 1] / 1e9:.3f} s" if i else "the first one"
-            raise LogError(f"message {i + 1} ({after}) cannot be read: {error}") from error
-    signals = {}
-    for field, column in rows.items():
-        sizes = np.array([0 if row is None else row.size for row in column])
-        if (change := np.flatnonzero(sizes != sizes[0])).size:
-            i = change[0]
-            raise LogError(f"{field} changes from {sizes[0]} to {sizes[i]} values at {stamps[i] / 1e9:.3f} s")
-        if sizes[0]:
-            name = topic.signals[field]
-            signals[name] = named_signal(name, stamps / 1e9, np.array(column, dtype=np.float64))
-            refuse_gaps(name, signals[name])
-    return signals
+            if channel.id not in self.decoders:
+                self._check_type(channel, intakes)
+                self.decoders[channel.id] = decoder_of(channel)
+            for group in self.decoders[channel.id].decode(batch.messages, fields):
+                for intake in intakes:
+                    intake.take(batch, group)
+        except LogError as error:
+            raise self._named(channel.topic, error) from error
+        except ValueError as error:
+            index = getattr(error, "index", 0)
+            when = f"the message recorded at {batch.log_time[index] / 1e9:.3f} s cannot be read"
+            raise self._named(channel.topic, f"{when}: {error}") from error
+
+    def signals(self) -> dict[str, Signal]:
+        if not any(self.there.get(topic) for topic in self.by_topic):
+            wanted, has = ", ".join(filter(None, self.by_topic)), ", ".join(self.there) or "no topics"
+            raise LogError(f"{self.path} has no messages on any of the topics {wanted}; it has {has}")
+        parts: dict[str, list[Part]] = {}
+        origin: dict[str, str] = {}
+        for intake in self.intakes:
+            entry = intake.entry
+            try:
+                found = intake.parts()
+            except LogError as error:
+                raise self._named(entry.topic, error) from error
+            if found:
+                parts.setdefault(entry.signal, []).extend(found)
+                origin.setdefault(entry.signal, entry.topic)
+            elif self.map.strict:
+                self._say_absent(entry.topic, entry.field, entry.signal)
+            if found and entry.role == "commanded" and not entry.signal.startswith("joint_command"):
+                text = f"{entry.topic}: '{entry.signal}' is what was commanded, not measured"
+                warnings.warn(text, LogWarning, stacklevel=2)
+        signals = {}
+        for name, pieces in parts.items():
+            try:
+                signal = checked(name, merged(name, pieces), origin[name])
+            except LogError as error:
+                raise self._named(origin[name], error) from error
+            if signal is not None:
+                signals[name] = signal
+        return with_shared_times(signals)
+
+    def _say_absent(self, topic: str, field: str, signal: str) -> None:
+        text = f"'{field}' is empty in all messages" if self.there.get(topic) else "it has no messages"
+        if signal == DRIVING or topic not in self.there:
+            raise LogError(f"{self.path}, topic {topic}: {text}; the log has {', '.join(self.there) or 'no topics'}")
+        warnings.warn(f"{topic}: {text}; '{signal}' is left out", LogWarning, stacklevel=2)
+
+    def _check_type(self, channel: Channel, intakes: list[Intake]) -> None:
+        for must in {intake.entry.type for intake in intakes} - {"", channel.type}:
+            raise LogError(f"messages are {channel.type} in {channel.encoding}; must be {must} in cdr")
+
+    def _named(self, topic: str, error: object) -> LogError:
+        return LogError(f"{self.path}, topic {topic}: {error}")

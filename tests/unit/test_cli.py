@@ -74,7 +74,7 @@ def test_wrong_calls(arguments: list, status: int, told: str) -> None:
 
 def test_logs_that_cannot_be_replayed(tmp_path: Path) -> None:
     half, empty = tmp_path / "half.mcap", tmp_path / "empty.mcap"
-    half.write_bytes(LOG.read_bytes()[: LOG.stat().st_size // 2])
+    half.write_bytes(LOG.read_bytes()[:2000])
     log = read_mcap(LOG)
     others = {name: signal for name, signal in log.signals.items() if name != "joint/position"}
     write_mcap(Recording(log.name, log.machine, log.description, others), empty)

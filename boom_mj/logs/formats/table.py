@@ -1,0 +1,83 @@
+"""Tables of numbers as text: CSV, also gzipped; comma, semicolon (with decimal comma) or tab between the columns.
+
+A table is one topic, "table", whose times are those of its time column, if a topic map names it.
+"""
+
+import csv
+import gzip
+import zlib
+from collections.abc import Iterator
+from itertools import islice
+from pathlib import Path
+from typing import IO
+
+import numpy as np
+
+from boom_mj.errors import LogError
+from boom_mj.logs.channel import Array, Batch, Channel, Format, Labels, Wanted
+
+TOPIC = "table"
+SUFFIXES = (".csv", ".csv.gz", ".tsv", ".tsv.gz")
+BATCH = 8192  # rows that are handed on together
+
+
+def _read(path: Path, wanted: Wanted) -> Iterator[Batch | Labels]:
+    try:
+        with _text(path) as stream:
+            if wanted(TOPIC):
+                yield from _rows(path, stream)
+    except (UnicodeDecodeError, csv.Error, EOFError, zlib.error, gzip.BadGzipFile) as error:
+        raise LogError(f"{path} is damaged: {error}") from error
+
+
+def _text(path: Path) -> IO[str]:
+    if path.suffix == ".gz":
+        return gzip.open(path, "rt", encoding="utf-8-sig", newline="")
+    return path.open(encoding="utf-8-sig", newline="")
+
+
+def _rows(path: Path, stream: IO[str]) -> Iterator[Batch]:
+    first = stream.readline()
+    if not first.strip():
+        raise LogError(f"{path} is empty")
+    between = max(",;\t", key=first.count)
+    names = [name.strip() for name in next(csv.reader([first], delimiter=between))]
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        raise LogError(f"{path} has several columns called {', '.join(map(repr, twice))}")
+    if not any(name and not _is_number(name) for name in names):
+        raise LogError(f"{path} has no names in its first line, which begins {first[:40]!r}")
+    channel = Channel(1, TOPIC, "columns", "row", "", "\n".join(names).encode())
+    yield Batch(channel, np.empty(0, np.int64), [])
+    reader, done = csv.reader(stream, delimiter=between), 0
+    while rows := [row for row in islice(reader, BATCH) if row]:
+        yield Batch(channel, np.arange(done, done + len(rows)), _numbers(path, rows, names, between == ";", done))
+        done += len(rows)
+
+
+def _numbers(path: Path, rows: list[list[str]], names: list[str], comma: bool, done: int) -> Array:
+    """Numbers of some rows; an empty cell is NaN."""
+    for i, row in enumerate(rows):
+        if len(row) != len(names):
+            raise LogError(f"{path}, row {done + i + 1}: {len(row)} cells for the {len(names)} columns")
+    if comma:
+        rows = [[cell.replace(",", ".") for cell in row] for row in rows]
+    try:
+        return np.array(rows, dtype=np.float64)
+    except ValueError:
+        return np.array([[_number(cell) for cell in row] for row in rows])
+
+
+def _number(cell: str) -> float:
+    """Value of a cell; NaN for one that is empty or a text, which only counts if the column is asked for."""
+    return float(cell) if _is_number(cell) else np.nan
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+TABLE = Format("CSV table", lambda path, head: path.name.lower().endswith(SUFFIXES), _read)
