@@ -6,7 +6,7 @@ from typing import Any
 
 import typer
 
-from boom_mj.cli import generate, replay, simulate, validate, view
+from boom_mj.cli import generate, logs, replay, simulate, validate, view
 from boom_mj.errors import BoomError, InputError, LogWarning
 
 app = typer.Typer(
@@ -17,6 +17,7 @@ app = typer.Typer(
 )
 for command in (generate, simulate, replay, validate, view):
     app.command(command.__name__.rpartition(".")[2])(command.command)
+app.add_typer(logs.app, name="logs")
 
 
 def main() -> None:

@@ -68,12 +68,12 @@ class Entry(BaseModel):
         if self.signal not in LOGGED:
             raise ValueError(f"signal = '{self.signal}' is unknown; the signals are {', '.join(LOGGED)}")
         quantity = QUANTITIES[self.signal]
-        choices = ", ".join(UNITS[quantity.unit])
-        if self.unit.endswith(GUESS):
-            raise ValueError(f"unit = '{self.unit}' is a guess: check it and take the question mark away ({choices})")
-        for unit, known in ((self.unit, UNITS[quantity.unit]), (self.time_unit, UNITS["s"])):
-            if unit not in known:
-                raise ValueError(f"unit '{unit}' is none of {', '.join(known)}")
+        for key, unit, known in (("unit", self.unit, quantity.unit), ("time_unit", self.time_unit, "s")):
+            choices = ", ".join(UNITS[known])
+            if unit.endswith(GUESS):
+                raise ValueError(f'{key} = "{unit}" is a guess: check it and take the question mark away ({choices})')
+            if unit not in UNITS[known]:
+                raise ValueError(f'{key} = "{unit}" is none of {choices}')
         if quantity.channels and (unknown := [name for name in self.to if name not in quantity.channels]):
             raise ValueError(f"to names {', '.join(unknown)}; channels are {', '.join(quantity.channels)}")
         if bool(self.constant) == bool(self.topic) or bool(self.topic) != bool(self.field):

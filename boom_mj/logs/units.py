@@ -1,9 +1,12 @@
 """Units that logs come in, and what they are in SI."""
 
+import re
 from collections.abc import Mapping
 from types import MappingProxyType
 
 import numpy as np
+
+from boom_mj.recording import QUANTITIES
 
 UNITS: Mapping[str, Mapping[str, float]] = MappingProxyType(
     {
@@ -18,31 +21,33 @@ UNITS: Mapping[str, Mapping[str, float]] = MappingProxyType(
 """SI unit -> unit of a log -> factor."""
 
 GUESS = "?"  # marks a unit that was guessed from the values
-PLAUSIBLE = {  # (least, most) of the largest absolute value, in SI; beyond it the next unit is tried
+PLAUSIBLE = {  # by signal or SI unit: (least, most) of the largest magnitude, in SI; beyond it the next unit is tried
     "rad": (0.0, 2 * np.pi),
     "rad/s": (0.0, 6.0),
     "m/s^2": (5.0, 100.0),
     "m": (0.0, 200.0),
-    "N": (2e3, 1e7),
+    "cylinder/force": (2e3, 1e7),
+    "load": (0.0, 1e6),
 }
 
 
-def guess_unit(si: str, largest: float, hint: str = "") -> str:
-    """Unit of values whose largest magnitude is known: the first in which it is plausible.
+def guess_unit(signal: str, largest: float, hint: str, by_convention: bool) -> str:
+    """Unit of the numbers that feed a signal: the first in which they are plausible.
 
     Args:
-        si: SI unit of the quantity.
-        largest: magnitude in the unit of the log.
-        hint: name that may end in a unit, such as "boom_deg".
+        largest: their largest magnitude, in the unit of the log.
+        hint: their name, which may end in a unit, such as "boom_deg".
+        by_convention: whether the message type prescribes SI.
 
     Returns:
-        The unit; with a question mark where neither the SI unit nor the name speaks for it.
+        The unit; with a question mark where neither the type nor the name speaks for it.
     """
-    named = [unit for unit in UNITS[si] if hint.lower().replace("/", "").endswith("_" + unit.lower().replace("/", ""))]
-    if named:
-        return named[0]
-    least, most = PLAUSIBLE[si]
+    si = QUANTITIES[signal].unit
+    for unit in UNITS[si]:
+        if re.search(rf"[_ \[(]{re.escape(unit).replace('/', '[_/]?')}[\])]?$", hint, re.IGNORECASE):
+            return unit
+    least, most = PLAUSIBLE.get(signal) or PLAUSIBLE[si]
     for unit, factor in UNITS[si].items():
         if least <= largest * factor <= most or not largest:
-            return unit if unit == si else unit + GUESS
+            return unit if by_convention and unit == si else unit + GUESS
     return si + GUESS

@@ -1,0 +1,134 @@
+"""logs: what is in a log from elsewhere."""
+
+import dataclasses
+import json
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from boom_mj.errors import InputError
+from boom_mj.logs.checks import SLOW, slow_rate
+from boom_mj.logs.inspection import LogSummary, Times, Topic, inspect_log
+from boom_mj.logs.proposal import propose_map
+
+app = typer.Typer(help="Logs from elsewhere.", no_args_is_help=True)
+
+
+@app.callback()
+def _logs() -> None:
+    """Logs from elsewhere."""
+
+
+@app.command()
+def inspect(
+    log: Annotated[Path, typer.Argument(metavar="LOG", help="MCAP log, ROS bag or CSV table.")],
+    as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")] = False,
+    as_map: Annotated[bool, typer.Option("--map", help="Only the proposed topic map, as TOML.")] = False,
+) -> None:
+    """Say what is in a log - topics, types, rates, jitter, gaps, clock resets, names - and propose a topic map."""
+    if as_json and as_map:
+        raise InputError("--json holds the map as well: say either --json or --map")
+    if not log.exists():
+        raise InputError(f"{log}: there is no such log")
+    summary = inspect_log(log)
+    for remark in summary.remarks:
+        print(f"warning: {remark}", file=sys.stderr)
+    if as_map:
+        print(propose_map(summary), end="")
+    elif as_json:
+        print(json.dumps(_document(summary), indent=1))
+    else:
+        print("\n".join((*_lines(summary), "", propose_map(summary))), end="")
+
+
+def _document(summary: LogSummary) -> dict[str, Any]:
+    topics = []
+    for topic in summary.topics:
+        topics.append(
+            {
+                "topic": topic.channel.topic,
+                "channel": topic.channel.id,
+                "type": topic.channel.type,
+                "encoding": topic.channel.encoding,
+                "messages": topic.count,
+                "time_base": topic.time_base,
+                "log_time": _plain(topic.log),
+                "header_time": _plain(topic.header),
+                "time_fields": {name: _plain(times) for name, times in topic.own.items()},
+                "frames": topic.frames,
+                "fields": {
+                    path: {name: _range(r.least, r.most, r.missing) for name, r in ranges.items()}
+                    for path, ranges in topic.fields.items()
+                },
+                "findings": _findings(topic),
+            }
+        )
+    return {
+        "log": str(summary.path),
+        "format": summary.format,
+        "labels": dict(summary.labels),
+        "warnings": summary.remarks,
+        "topics": topics,
+        "map": propose_map(summary),
+    }
+
+
+def _plain(times: Times | None) -> dict[str, Any] | None:
+    return None if times is None else dataclasses.asdict(times)
+
+
+def _range(least: float, most: float, missing: int) -> dict[str, Any]:
+    known = least <= most
+    return {"min": least if known else None, "max": most if known else None, "nan": missing}
+
+
+def _lines(summary: LogSummary) -> list[str]:
+    lines = [f"{summary.path}: {summary.format}" + "".join(f", {k} {v}" for k, v in summary.labels.items() if v)]
+    width = max((len(topic.channel.topic) for topic in summary.topics), default=0)
+    for topic in summary.topics:
+        times = topic.header if topic.time_base == "header" else topic.log
+        when = (
+            ""
+            if times is None
+            else (
+                f"{times.rate_hz:8.2f} Hz, jitter {times.jitter_ms:.2f} ms, {times.start:.3f} to {times.stop:.3f} s "
+                f"({topic.time_base} time)"
+            )
+        )
+        kind = f"{topic.channel.type} in {topic.channel.encoding}"
+        lines.append(f"{topic.channel.topic:{width}}  {topic.count:7d} x {kind}, channel {topic.channel.id} {when}")
+        for path, ranges in topic.fields.items():
+            shown = [f"{name} {r.least:.4g}..{r.most:.4g}" for name, r in list(ranges.items())[:8] if r.least <= r.most]
+            lines.append(f"    {path}: {', '.join(shown)}" + (", ..." if len(ranges) > 8 else ""))
+        lines += [f"    ! {finding}" for finding in _findings(topic)]
+    return lines
+
+
+def _findings(topic: Topic) -> list[str]:
+    """What is wrong with a topic, in sentences."""
+    found = [topic.problem] if topic.problem else []
+    bases = [("header", topic.header), ("log", topic.log), *topic.own.items()]
+    for base, times in bases:
+        if times is None:
+            continue
+        if times.resets:
+            found.append(f"{base} time: set back {times.resets} times, first after {times.first_reset:.3f} s")
+        if times.repeated:
+            found.append(f"{base} time: {times.repeated} messages repeat the time before")
+        if times.late:
+            found.append(f"{base} time: {times.late} messages come late, out of order")
+        if times.gaps:
+            longest = f"the longest {times.longest_gap:.3f} s after {times.longest_gap_at:.3f} s"
+            found.append(f"{base} time: {times.gaps} gaps, {longest}")
+    if topic.header is not None and not topic.header.stop:
+        found.append("header stamps are all 0")
+    times = topic.header if topic.time_base == "header" else topic.log
+    angles = {name for ranges in topic.fields.values() for name in ranges if "joint" in name.lower()}
+    if times is not None and angles and 0 < times.rate_hz < SLOW:
+        found.append(slow_rate(times.rate_hz))
+    for path, ranges in topic.fields.items():
+        if missing := {name: r.missing for name, r in ranges.items() if r.missing}:
+            found.append(f"{path}: {sum(missing.values())} values are NaN ({', '.join(list(missing)[:5])})")
+    return found
