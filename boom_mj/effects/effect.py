@@ -72,7 +72,7 @@ class Effect(ABC):
         parameters: by name.
         confused_with: ids (or words) of what looks alike.
         told_by: experiment of the catalogue that tells.
-        sizes: coordinates at which screening looks; several where the effect is not smooth.
+        sizes: coordinates at which screening looks; several, and both signs, where the effect is not smooth.
         location, values: of this instance; parameters left out are neutral.
     """
 
@@ -129,17 +129,13 @@ class Effect(ABC):
         return tuple(cls.parameters)
 
     @classmethod
-    def probes(cls, location: Location, lines: Sequence[float] = ()) -> list[dict[str, float]]:
-        """Values at which screening looks; `lines` are frequencies (Hz) that stand out of the residual."""
-        return [{name: cls.parameters[name].value(size)} for name in cls.knobs(location) for size in cls.sizes_of(name)]
+    def probes(cls, location: Location, lines: Sequence[float] = ()) -> list[list[dict[str, float]]]:
+        """Where screening looks: alternatives, each of one or more values whose effects add up linearly.
 
-    @classmethod
-    def sizes_of(cls, name: str) -> tuple[float, ...]:
-        """Coordinates of one knob worth a look, negative ones only where its bounds allow them."""
-        knob = cls.parameters[name]
-        if len(cls.sizes) == 1 or knob.inverse or knob.low >= knob.neutral:
-            return cls.sizes
-        return (*cls.sizes, *(-size for size in cls.sizes))
+        Args:
+            lines: frequencies (Hz) that stand out of the residual.
+        """
+        return [[{name: cls.parameters[name].value(size)} for name in cls.knobs(location)] for size in cls.sizes]
 
     @classmethod
     def blend(cls, probes: Sequence[Values], weights: Array) -> dict[str, float]:

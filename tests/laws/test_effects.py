@@ -43,7 +43,7 @@ def nominal(name: str) -> Recording:
 def typical(kind: type[Effect], place: dict) -> Effect:
     """All knobs at once at the last of their probes, so that polar effects have an amplitude."""
     values: dict[str, float] = {}
-    for probe in kind.probes(place, (0.45,)):
+    for probe in kind.probes(place, (0.45,))[-1]:
         values |= probe
     return kind(place, **values)
 

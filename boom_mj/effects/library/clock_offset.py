@@ -20,7 +20,7 @@ class ClockOffset(SignalEffect):
     parameters = {"delay": Parameter("s", 0.0, -2.0, 2.0, 0.05)}
     confused_with = ("joint angle delay",)
     told_by = "chirp_joint2"
-    sizes = (0.3, 1.0, 3.0)
+    sizes = (-3.0, -1.0, -0.3, 0.3, 1.0, 3.0)
 
     def alter(self, signals: Mapping[str, Signal], machine: Machine) -> Mapping[str, Signal]:
         if self.values["delay"] == 0:

@@ -29,18 +29,16 @@ class JointSensorNonlinearity(AngleEffect):
         return error
 
     @classmethod
-    def probes(cls, location: Location, lines: Sequence[float] = ()) -> list[dict[str, float]]:
+    def probes(cls, location: Location, lines: Sequence[float] = ()) -> list[list[dict[str, float]]]:
         """Sine and cosine at a few periods."""
-        return [{"amplitude": 0.005, "periods": n, "phase": p} for n in PERIODS for p in (0.0, np.pi / 2)]
+        return [[{"amplitude": 0.005, "periods": n, "phase": p} for p in (0.0, np.pi / 2)] for n in PERIODS]
 
     @classmethod
     def blend(cls, probes: Sequence[Values], weights: Array) -> dict[str, float]:
-        """Amplitude and phase of the strongest period."""
-        pairs = np.asarray(weights).reshape(-1, 2) * 0.005
-        best = int(np.argmax(np.hypot(*pairs.T)))
-        sine, cosine = pairs[best]
+        """Amplitude and phase of a period."""
+        sine, cosine = 0.005 * np.asarray(weights)
         return {
             "amplitude": float(min(np.hypot(sine, cosine), 0.1)),
-            "periods": probes[2 * best]["periods"],
+            "periods": probes[0]["periods"],
             "phase": float(np.arctan2(cosine, sine)),
         }

@@ -36,19 +36,17 @@ class PumpPulsation(LoadEffect):
         return {"tip": force[:, None] * direction}
 
     @classmethod
-    def probes(cls, location: Location, lines: Sequence[float] = ()) -> list[dict[str, float]]:
+    def probes(cls, location: Location, lines: Sequence[float] = ()) -> list[list[dict[str, float]]]:
         """Sine and cosine at every frequency that stands out."""
-        return [{"amplitude": 100.0, "frequency": f, "phase": p} for f in lines for p in (0.0, np.pi / 2)]
+        return [[{"amplitude": 100.0, "frequency": f, "phase": p} for p in (0.0, np.pi / 2)] for f in lines]
 
     @classmethod
     def blend(cls, probes: Sequence[Values], weights: Array) -> dict[str, float]:
-        """Amplitude and phase of the strongest line."""
-        pairs = np.asarray(weights).reshape(-1, 2) * 100.0
-        best = int(np.argmax(np.hypot(*pairs.T)))
-        sine, cosine = pairs[best]
+        """Amplitude and phase of a line."""
+        sine, cosine = 100.0 * np.asarray(weights)
         amplitude = float(np.clip(np.hypot(sine, cosine), 0.0, 5e3))
         return {
             "amplitude": amplitude,
-            "frequency": probes[2 * best]["frequency"],
+            "frequency": probes[0]["frequency"],
             "phase": float(np.arctan2(cosine, sine)),
         }

@@ -1,9 +1,10 @@
 """Dry friction in a bolted link."""
 
-import mujoco
-import numpy as np
+from collections.abc import Sequence
 
-from boom_mj.effects.effect import ModelEffect, Parameter
+import mujoco
+
+from boom_mj.effects.effect import Array, Location, ModelEffect, Parameter, Values
 from boom_mj.effects.structure import link_hinges
 from boom_mj.machine import Machine
 
@@ -23,7 +24,6 @@ class StructuralHysteresis(ModelEffect):
     }
     confused_with = ("structural_damping", "joint_friction")
     told_by = "release_stretched_vertical_half"
-    sizes = (1.0,)
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         stiffness, slip = self.values["stiffness"], self.values["slip_torque"]
@@ -37,11 +37,11 @@ class StructuralHysteresis(ModelEffect):
         tendon.springyield = slip / stiffness
 
     @classmethod
-    def probes(cls, location, lines=()):  # type: ignore[no-untyped-def]
-        """Both parameters act together or not at all: a stick limit and three slip torques."""
-        return [{"stiffness": k, "slip_torque": t} for k, t in ((1e6, 5e2), (1e6, 2e3), (3e6, 6e3))]
+    def probes(cls, location: Location, lines: Sequence[float] = ()) -> list[list[dict[str, float]]]:
+        """Both parameters act together or not at all: three slip torques."""
+        return [[{"stiffness": k, "slip_torque": t}] for k, t in ((1e6, 5e2), (1e6, 2e3), (3e6, 6e3))]
 
     @classmethod
-    def blend(cls, probes, weights):  # type: ignore[no-untyped-def]
-        """The probe that carries most."""
-        return dict(probes[int(np.argmax(np.abs(weights)))])
+    def blend(cls, probes: Sequence[Values], weights: Array) -> dict[str, float]:
+        """The probe itself: its effect does not grow with its parameters."""
+        return dict(probes[0])

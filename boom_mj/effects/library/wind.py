@@ -58,9 +58,9 @@ class Wind(LoadEffect):
         return "mean_speed", "direction"
 
     @classmethod
-    def probes(cls, location: Location, lines: Sequence[float] = ()) -> list[dict[str, float]]:
+    def probes(cls, location: Location, lines: Sequence[float] = ()) -> list[list[dict[str, float]]]:
         """From in front and from the side."""
-        return [{"mean_speed": 5.0, "direction": d} for d in (0.0, np.pi / 2)]
+        return [[{"mean_speed": 5.0, "direction": d} for d in (0.0, np.pi / 2)]]
 
     @classmethod
     def blend(cls, probes: Sequence[Values], weights: Array) -> dict[str, float]:

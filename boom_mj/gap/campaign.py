@@ -1,0 +1,259 @@
+"""A campaign: the recordings of one machine, and what the model says of them under any hypothesis.
+
+Every hypothesis is a tuple of effects. Its prediction is one long vector: all channels of all recordings, averaged over
+BLOCK seconds - the boom's first modes lie far below, the noise falls, and what a model cannot know (the first
+milliseconds after a rope is cut) weighs less. Simulations run on threads, each at most once.
+"""
+
+import os
+from collections.abc import Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cached_property
+from threading import Lock
+
+import numpy as np
+
+from boom_mj.effects import AngleEffect, Effect, SignalEffect
+from boom_mj.errors import BoomError, LogError
+from boom_mj.machine import Machine
+from boom_mj.mjcf import BoomModel, build
+from boom_mj.recording import Recording, Signal
+from boom_mj.sensors import apply_sensor_effects, driving_angles, ideal_signals, noise_levels, sample, true_angles
+from boom_mj.simulation import run, step_times
+from boom_mj.simulation.plant import with_effects
+
+Array = np.ndarray
+Hypothesis = tuple[Effect, ...]
+BLOCK = 0.1  # s
+KEPT = 24  # dense simulations kept for hypotheses that differ in their sensors only
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One channel of one recording, its stretch of the long vector.
+
+    Attributes:
+        recording: index.
+        signal, column: where the channel lies in the recording.
+        group: sensor and direction, such as "imu/link5/specific_force/y" or "markers/link4/z".
+        time: of its blocks, (n,), s from the start of the recording.
+        count: samples of a block, (n,); 0 where all are hidden.
+        measured: means of its blocks, (n,).
+        noise: of a single sample.
+    """
+
+    recording: int
+    signal: str
+    column: int
+    group: str
+    time: Array
+    count: Array
+    measured: Array
+    noise: float
+
+
+class Campaign:
+    """Recordings of a machine and a cache of simulations of them.
+
+    Args:
+        machine: nominal.
+        recordings: for training first.
+        training: how many of them are for training; the rest is held out. With all of them for training every
+            recording is split in time instead.
+        threads: simulations at a time.
+    """
+
+    def __init__(self, machine: Machine, recordings: Sequence[Recording], training: int, threads: int | None = None):
+        if not recordings or training < 1:
+            raise LogError("a diagnosis needs at least one recording to learn from")
+        self.machine, self.recordings, self.training = machine, tuple(recordings), training
+        self.levels = noise_levels(machine)
+        self.pool = ThreadPoolExecutor(threads or os.cpu_count() or 1)
+        self.simulated_s = 0.0
+        self._booms: dict[int, BoomModel] = {}
+        self._futures: dict[tuple, Future] = {}
+        self._dense: dict[tuple, dict[str, Signal]] = {}
+        self._lock = Lock()
+        self.channels = tuple(channel for index in range(len(recordings)) for channel in self._channels(index))
+
+    @property
+    def split_in_time(self) -> bool:
+        return self.training == len(self.recordings)
+
+    @cached_property
+    def offsets(self) -> Array:
+        """Where each channel begins in the long vector, and its end, (channels + 1,)."""
+        return np.cumsum([0, *(len(channel.time) for channel in self.channels)])
+
+    def stretch(self, number: int) -> slice:
+        return slice(int(self.offsets[number]), int(self.offsets[number + 1]))
+
+    def spread(self, values: Sequence[float]) -> Array:
+        """One value per channel, repeated over its blocks, (N,)."""
+        return np.repeat(np.asarray(values, float), np.diff(self.offsets))
+
+    @cached_property
+    def recording_of(self) -> Array:
+        """Index of the recording of every entry, (N,)."""
+        return self.spread([channel.recording for channel in self.channels]).astype(int)
+
+    @cached_property
+    def time(self) -> Array:
+        """(N,), s from the start of its recording."""
+        return np.concatenate([channel.time for channel in self.channels])
+
+    @cached_property
+    def measured(self) -> Array:
+        """(N,); NaN where hidden."""
+        return np.concatenate([channel.measured for channel in self.channels])
+
+    @cached_property
+    def noise(self) -> Array:
+        """Standard deviation of every block mean, (N,)."""
+        count = np.concatenate([channel.count for channel in self.channels])
+        return self.spread([channel.noise for channel in self.channels]) / np.sqrt(np.maximum(count, 1))
+
+    @cached_property
+    def used(self) -> Array:
+        """Entries that were measured, (N,) of bool."""
+        return np.isfinite(self.measured)
+
+    @cached_property
+    def train(self) -> Array:
+        """Entries to learn from, (N,) of bool."""
+        if not self.split_in_time:
+            return self.used & (self.recording_of < self.training)
+        cut = [0.6 * self.duration(index) for index in range(len(self.recordings))]
+        return self.used & (self.time < np.asarray(cut)[self.recording_of])
+
+    @cached_property
+    def held_out(self) -> Array:
+        """Entries to judge by, (N,) of bool."""
+        return self.used & ~self.train
+
+    def duration(self, index: int) -> float:
+        joints = self.recordings[index]["joint/position"]
+        return float(joints.time[-1] - joints.time[0])
+
+    def predict(self, hypotheses: Sequence[Hypothesis], hinges: int, training_only: bool = False) -> list[Array]:
+        """The long vector of every hypothesis, (N,) each; NaN where not asked for, or where MuJoCo left the numbers.
+
+        Args:
+            hinges: equivalent hinges per elastic coordinate.
+            training_only: leave out recordings that are held out whole.
+        """
+        indices = range(self.training if training_only else len(self.recordings))
+        futures = [[self._submit(hypothesis, hinges, index) for index in indices] for hypothesis in hypotheses]
+        return [self._stack([future.result() for future in row]) for row in futures]
+
+    def _stack(self, parts: Sequence[Array]) -> Array:
+        vector = np.concatenate(parts)
+        return np.concatenate([vector, np.full(int(self.offsets[-1]) - len(vector), np.nan)])
+
+    def _submit(self, hypothesis: Hypothesis, hinges: int, index: int) -> Future:
+        key = (frozenset(hypothesis), hinges, index)
+        with self._lock:
+            if key not in self._futures:
+                self._futures[key] = self.pool.submit(self._block_means, hypothesis, hinges, index)
+            return self._futures[key]
+
+    def _block_means(self, hypothesis: Hypothesis, hinges: int, index: int) -> Array:
+        channels = [channel for channel in self.channels if channel.recording == index]
+        try:
+            signals = self.twin(hypothesis, hinges, index)
+        except BoomError:
+            return np.full(sum(len(channel.time) for channel in channels), np.nan)
+        parts = []
+        for channel in channels:
+            values = signals[channel.signal]
+            hidden = np.isnan(self.recordings[index][channel.signal].values[:, channel.column])
+            column = np.where(hidden, np.nan, values[:, channel.column])
+            parts.append(block_means(self._elapsed(index, channel.signal), column)[2])
+        return np.concatenate(parts)
+
+    def twin(self, hypothesis: Hypothesis, hinges: int, index: int) -> dict[str, Array]:
+        """What the sensors of a hypothesis would have said, by signal, at the log's own times, (n, k) each.
+
+        Raises:
+            EquilibriumError, SimulationError: the hypothesis is none.
+        """
+        signals = self._dense_signals(tuple(e for e in hypothesis if not isinstance(e, SignalEffect)), hinges, index)
+        altering = [e for e in hypothesis if isinstance(e, SignalEffect)]
+        signals = apply_sensor_effects(altering, signals, self.machine)
+        log = self.recordings[index]
+        return {
+            name: sample(signals[name], self._elapsed(index, name)) for name in self._compared(index) if name in log
+        }
+
+    def _dense_signals(self, hypothesis: Hypothesis, hinges: int, index: int) -> dict[str, Signal]:
+        key = (frozenset(hypothesis), hinges, index)
+        if key in self._dense:
+            return self._dense[key]
+        with self._lock:
+            if hinges not in self._booms:
+                self._booms[hinges] = build(self.machine, hinges)
+        plant = with_effects(self._booms[hinges], hypothesis)
+        steps = step_times(plant, self.duration(index))
+        reading, force = self._inputs(index, steps)
+        angle_errors = [e for e in hypothesis if isinstance(e, AngleEffect)]
+        signals = ideal_signals(run(plant, true_angles(angle_errors, reading), force))
+        with self._lock:
+            self.simulated_s += steps[-1]
+            if not hypothesis or len(self._dense) < KEPT:
+                self._dense[key] = signals
+        return signals
+
+    def _inputs(self, index: int, steps: Array) -> tuple[Array, Array]:
+        """Smooth joint readings and the known load at the steps of the simulation."""
+        key, log = ("inputs", index, len(steps)), self.recordings[index]
+        if key not in self._dense:
+            start = log["joint/position"].time[0]
+            angles = driving_angles(log, self.levels["joint/position"][0], steps + start)
+            force = sample(log["load"], steps + start) if "load" in log else np.zeros((len(steps), 3))
+            self._dense[key] = (angles, force)  # type: ignore[assignment]
+        return self._dense[key]  # type: ignore[return-value]
+
+    def _elapsed(self, index: int, signal: str) -> Array:
+        log = self.recordings[index]
+        return log[signal].time - log["joint/position"].time[0]
+
+    def _compared(self, index: int) -> list[str]:
+        """Signals that are compared: all that have noise but the joint angles, which drive the model."""
+        return [name for name in self.levels if name in self.recordings[index] and name != "joint/position"]
+
+    def _channels(self, index: int) -> list[Channel]:
+        found, log = [], self.recordings[index]
+        for name in self._compared(index):
+            elapsed, values = self._elapsed(index, name), log[name].values
+            for column in range(values.shape[1]):
+                time, count, mean = block_means(elapsed, values[:, column])
+                noise = max(float(self.levels[name][column]), _own_noise(values[:, column]) / 1.3)
+                found.append(Channel(index, name, column, group_of(name, log[name], column), time, count, mean, noise))
+        return found
+
+
+def group_of(name: str, signal: Signal, column: int) -> str:
+    """Channel group: sensor, link and direction."""
+    channel = signal.channels[column]
+    if name == "markers":
+        number, axis = int(channel.partition("/")[0].removeprefix("marker")), channel[-1]
+        return f"markers/link{2 + (number - 1) // 3}/{axis}"
+    return channel if name.startswith("cylinder") else f"{name}/{channel}"
+
+
+def block_means(time: Array, values: Array) -> tuple[Array, Array, Array]:
+    """Means over stretches of BLOCK seconds that leave out NaN: times of their middles, samples, means, (n,) each."""
+    block = np.floor(time / BLOCK + 1e-6).astype(int)
+    starts = np.flatnonzero(np.concatenate([[True], np.diff(block) != 0]))
+    there = np.isfinite(values)
+    count = np.add.reduceat(there.astype(float), starts)
+    total = np.add.reduceat(np.where(there, values, 0.0), starts)
+    mean = np.where(count > 0, total / np.maximum(count, 1), np.nan)
+    return (block[starts] + 0.5) * BLOCK, count, mean
+
+
+def _own_noise(values: Array) -> float:
+    """Noise of a channel by its third differences, robustly: what moves slowly does not count."""
+    third = np.diff(values[np.isfinite(values)], n=3)
+    return float(1.4826 * np.median(np.abs(third)) / np.sqrt(20.0)) if len(third) > 10 else 0.0
