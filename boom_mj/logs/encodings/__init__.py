@@ -1,14 +1,14 @@
 """Encodings of messages: one file each; a decoder turns the messages of a channel into columns of numbers."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from types import MappingProxyType
 from typing import Any, Protocol
 
 from boom_mj.logs.channel import Channel, Group
-from boom_mj.logs.encodings.cdr import CdrDecoder
+from boom_mj.logs.encodings.cdr import ROS1, CdrDecoder
 from boom_mj.logs.encodings.json_text import json_decoder
 from boom_mj.logs.encodings.protobuf import protobuf_decoder
-from boom_mj.logs.encodings.ros1 import Ros1Decoder
 from boom_mj.logs.encodings.row import RowDecoder
 
 
@@ -27,7 +27,13 @@ class Decoder(Protocol):
 
 
 DECODERS: Mapping[str, Callable[[Channel], Decoder]] = MappingProxyType(
-    {"cdr": CdrDecoder, "ros1": Ros1Decoder, "json": json_decoder, "protobuf": protobuf_decoder, "row": RowDecoder}
+    {
+        "cdr": CdrDecoder,
+        "ros1": partial(CdrDecoder, rules=ROS1),
+        "json": json_decoder,
+        "protobuf": protobuf_decoder,
+        "row": RowDecoder,
+    }
 )
 
 

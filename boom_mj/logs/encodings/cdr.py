@@ -1,4 +1,4 @@
-"""CDR, the encoding of ROS 2: messages that are laid out alike are decoded all at once.
+"""CDR, the encoding of ROS 2, and that of ROS 1: messages that are laid out alike are decoded all at once.
 
 The first message is walked along its type's definition: this gives the place of every number, and the bytes that
 decide on the places (lengths and texts). Messages of the same size with the same deciding bytes have the same places.
@@ -16,21 +16,42 @@ from boom_mj.logs.channel import Array, Channel, Column, DecodingError, Group
 from boom_mj.logs.fields import Leaf, frame_of, select, stamp_leaves
 from boom_mj.logs.messages import typestore
 
-PREFIX = 4  # bytes of the encapsulation; places count from behind it
 IDL_SEPARATOR = "=" * 80 + "\n"
 DTYPES = {
     "bool": "u1", "byte": "u1", "char": "u1", "octet": "u1", "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2",
     "int32": "i4", "uint32": "u4", "int64": "i8", "uint64": "u8", "float32": "f4", "float64": "f8",
 }  # fmt: skip
 LAYOUTS_KEPT = 64
+TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")  # ROS 1 does not define them in logs
 Definitions = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Rules:
+    """How an encoding differs.
+
+    Attributes:
+        prefix: bytes in front, from behind which places count.
+        aligned: whether numbers stand at multiples of their size.
+        terminated: whether texts end with a zero.
+        padding: bytes that may follow.
+    """
+
+    prefix: int
+    aligned: bool
+    terminated: bool
+    padding: int
+
+
+CDR = Rules(prefix=4, aligned=True, terminated=True, padding=3)
+ROS1 = Rules(prefix=0, aligned=False, terminated=False, padding=0)
 
 
 def definitions_of(channel: Channel) -> Definitions:
     """Fields by type name, from the definition in the log; those of ROS 2 Humble where the log has none.
 
     Raises:
-        ValueError: a definition that cannot be read, or none of an unknown type.
+        ValueError: a definition that cannot be read.
     """
     text = channel.schema.decode()
     if not text.strip():
@@ -39,10 +60,14 @@ def definitions_of(channel: Channel) -> Definitions:
         parts = text.split(IDL_SEPARATOR)[1:] if text.startswith(f"{IDL_SEPARATOR}IDL: ") else ["\n" + text]
         found = {name: fields for part in parts for name, fields in get_types_from_idl(part.split("\n", 1)[1]).items()}
     else:
-        found = get_types_from_msg(text, channel.type)
-    if channel.type not in found:
-        raise ValueError(f"the log does not define the type {channel.type}")
-    return found
+        found = get_types_from_msg(text, type_name(channel.type))
+    return {name: typestore().fielddefs[name] for name in TIMES} | dict(found)
+
+
+def type_name(name: str) -> str:
+    """Name of a type as ROS 2 says it: sensor_msgs/Imu and sensor_msgs::msg::Imu are sensor_msgs/msg/Imu."""
+    parts = name.replace("::", "/").split("/")
+    return "/".join((parts[0], "msg", parts[-1]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,8 +90,8 @@ class Layout:
 class CdrDecoder:
     """Messages of one channel -> groups; a field is an empty column where messages lack it."""
 
-    def __init__(self, channel: Channel) -> None:
-        self._type = channel.type
+    def __init__(self, channel: Channel, rules: Rules = CDR) -> None:
+        self._type, self._rules = type_name(channel.type), rules
         self._definitions = definitions_of(channel)
         self._layouts: dict[int, list[Layout]] = {}  # by size
 
@@ -96,10 +121,10 @@ class CdrDecoder:
         return self._walk(np.frombuffer(message, np.uint8)).tree
 
     def _walk(self, row: Array) -> Layout:
-        walk = _Walk(row.tobytes(), self._definitions)
+        walk = _Walk(row.tobytes(), self._definitions, self._rules)
         tree = walk.struct(self._type)
         walk.finish()
-        deciding = np.concatenate([np.arange(PREFIX), *(np.arange(*span) for span in walk.deciding)])
+        deciding = np.concatenate([np.arange(self._rules.prefix), *(np.arange(*span) for span in walk.deciding)])
         return Layout(tree, deciding, row[deciding])
 
 
@@ -156,15 +181,16 @@ def _stamps(layout: Layout, rows: Array) -> Array | None:
 class _Walk:
     """Goes through one message along its definition and notes where what stands."""
 
-    def __init__(self, data: bytes, definitions: Definitions) -> None:
-        if len(data) < PREFIX or data[0] != 0 or data[1] > 1:
-            raise ValueError(f"encapsulation {data[:PREFIX].hex() or 'missing'} is not plain CDR")
-        self.data, self.definitions, self.at = data, definitions, PREFIX
-        self.order = "<" if data[1] else ">"
+    def __init__(self, data: bytes, definitions: Definitions, rules: Rules) -> None:
+        front = data[: rules.prefix]
+        if rules.prefix and front[:2] not in (b"\0\0", b"\0\1"):
+            raise ValueError(f"encapsulation {front.hex() or 'missing'} is not plain CDR")
+        self.data, self.definitions, self.rules, self.at = data, definitions, rules, rules.prefix
+        self.order = ">" if front[:2] == b"\0\0" else "<"
         self.deciding: list[tuple[int, int]] = []
 
     def finish(self) -> None:
-        if not self.at <= len(self.data) <= self.at + 3:  # padding at the end is usual
+        if not self.at <= len(self.data) <= self.at + self.rules.padding:
             raise ValueError(f"{len(self.data)} bytes instead of {self.at}")
 
     def struct(self, name: str) -> dict[str, Any]:
@@ -200,13 +226,14 @@ class _Walk:
     def text(self) -> str:
         size = self.length()
         at = self.take(1, size)
-        if not size or self.data[at + size - 1]:
+        end = at + size - self.rules.terminated
+        if self.rules.terminated and (not size or self.data[end]):
             raise ValueError(f"a text of {size} bytes without its end at byte {at}")
         self.deciding.append((at, at + size))
-        return self.data[at : at + size - 1].decode()
+        return self.data[at:end].decode()
 
     def take(self, align: int, size: int) -> int:
-        at = self.at + (PREFIX - self.at) % align
+        at = self.at + ((self.rules.prefix - self.at) % align if self.rules.aligned else 0)
         if at + size > len(self.data):
             raise ValueError(f"it ends at byte {len(self.data)} where {size} more are due at byte {at}")
         self.at = at + size
