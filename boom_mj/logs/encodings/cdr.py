@@ -118,7 +118,10 @@ class CdrDecoder:
 
     def tree(self, message: bytes) -> Any:
         """A message with a `Leaf` for every number."""
-        return self._walk(np.frombuffer(message, np.uint8)).tree
+        try:
+            return self._walk(np.frombuffer(message, np.uint8)).tree
+        except Exception as error:  # whatever broken bytes lead to
+            raise DecodingError(0, error) from error
 
     def _walk(self, row: Array) -> Layout:
         walk = _Walk(row.tobytes(), self._definitions, self._rules)

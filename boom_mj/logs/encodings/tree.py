@@ -17,13 +17,20 @@ class TreeDecoder:
     """
 
     def __init__(self, tree: Callable[[bytes], Any]) -> None:
-        self.tree = tree
+        self._tree = tree
+
+    def tree(self, message: bytes) -> Any:
+        """One message as a tree."""
+        try:
+            return self._tree(message)
+        except Exception as error:  # whatever broken bytes lead to
+            raise DecodingError(0, error) from error
 
     def decode(self, messages: Sequence[bytes], fields: Sequence[str]) -> Iterator[Group]:
         groups: dict[Any, list[Any]] = {}
         for i, message in enumerate(messages):
             try:
-                tree = self.tree(message)
+                tree = self._tree(message)
                 found = [select(tree, path) for path in fields]
                 rows = [np.array(s.leaves, np.float64) for s in found]  # None becomes NaN
                 stamp = stamp_leaves(tree)
