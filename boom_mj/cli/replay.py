@@ -28,7 +28,7 @@ def command(
 ) -> None:
     """Drive the model with a log's joint angles and known load, and compare every channel group with its noise.
 
-    The angles are smoothed: held at their mean where the joint rests, by Whittaker's third-difference smoother between.
+    The angles are smoothed: held at their mean where the joint rests, by a spline of locally even jerk between.
     """
     for path, suffix in ((output, ".mcap"), (picture, ".png")):
         if path is not None:

@@ -1,42 +1,65 @@
 """Joint angles of a log, made smooth enough to be differentiated twice.
 
 A 50 Hz angle sensor with 0.02 deg of noise says nothing of accelerations: differentiated, it would shake the boom.
-What is known besides is that a joint stands still most of the time. So stretches of rest are found first - where a line
-through a window of samples has a slope within its own noise - and held at their mean; between them the angle minimises
+What is known besides is that a joint mostly rests or turns evenly, and speeds up in between. So the angle is a quintic
+spline q(t) with evenly spaced knots whose coefficients c minimise
 
-    sum (y - q)^2 / sigma^2 + weight * sum (d^3 q)^2,
+    sum (y - q(t))^2 / sigma^2 + sum (d^3 c)^2 / s^2,
 
-Whittaker's smoother with a third difference (as little jerk as the samples allow), its weight such that what it takes
-away has the size of the sensor's noise.
+a penalised spline: the mean of a random jerk of standard deviation s, given the samples, as a Rauch-Tung-Striebel
+smoother would find it. How large s is differs along the path and is learnt from it: s^2 = GAIN x local mean of
+(d^3 c)^2, solved again until it stays. GAIN makes up for the variance that a mean lacks. Where a joint rests - where a
+line through a window of samples has a slope within its own noise - every sample is the mean of the rest.
+
+Chosen by figures among smoothers that know less: docs/smoothing.md.
 """
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
-from scipy.ndimage import binary_erosion
-from scipy.optimize import brentq
+from scipy.interpolate import BSpline
+from scipy.linalg import solveh_banded
+from scipy.ndimage import binary_erosion, uniform_filter1d
 from scipy.signal import savgol_filter
-from scipy.sparse import diags_array
-from scipy.sparse.linalg import spsolve
+from scipy.sparse import csr_array
 
 Array = np.ndarray
+DEGREE = 5
+KNOTS = 0.05  # s, between knots
+GAIN = 4.0
+ROUNDS = 8  # until the jerk's size stays
+FIRST_JERK, LEAST_JERK = np.radians(10.0), np.radians(0.05)  # rad/s^3; the first does not matter
+LOCAL = 0.5  # s, over which jerk has one size
 WINDOW = 0.8  # s, over which rest shows
 SLOPE_SIGMAS = 5.0
-REST_WEIGHT = 1e6  # of a rest's mean against a single sample
+NORMAL = 1.4826  # standard deviation over median absolute deviation
 
 
 def smooth_angles(time: Array, angles: Array, noise: float, at: Array) -> Array:
     """Smooth joint angles, (m, k), rad, at new times.
 
     Args:
-        time: sample times, (n,), s; nearly even.
+        time: sample times, (n,), s, increasing.
         angles: (n, k), rad.
-        noise: standard deviation of the sensors, rad.
+        noise: standard deviation of the sensors, rad; a joint whose samples scatter more is believed less.
         at: times wanted, (m,), s; beyond the samples the ends are held.
     """
-    even = np.linspace(time[0], time[-1], len(time))
-    smooth = [_smooth(np.interp(even, time, column), even[1] - even[0], noise) for column in angles.T]
-    spline = make_interp_spline(even, np.stack(smooth, axis=1), k=5)
-    return spline(np.clip(at, even[0], even[-1]))
+    count = max(4, int(np.ceil((time[-1] - time[0]) / KNOTS)))
+    knots = time[0] + (time[-1] - time[0]) / count * np.arange(-DEGREE, count + DEGREE + 1)
+    low, high = knots[DEGREE], knots[-DEGREE - 1]
+    basis = BSpline.design_matrix(np.clip(time, low, high), knots, DEGREE)
+    step = (time[-1] - time[0]) / (len(time) - 1)
+    columns = []
+    for samples in angles.T:
+        sigma = max(noise, float(white_noise(samples)))
+        columns.append(_coefficients(basis, _rested(samples, step, sigma), sigma, knots[1] - knots[0]))
+    return BSpline(knots, np.stack(columns, axis=1), DEGREE)(np.clip(at, low, high))
+
+
+def white_noise(values: Array) -> Array:
+    """Standard deviation of what is white in evenly sampled channels, (k,) of (n, k), or of (n,).
+
+    From second differences, which motion hardly moves, and their median, which a stretch of motion does not move.
+    """
+    return NORMAL * np.nanmedian(np.abs(np.diff(values, 2, axis=0)), axis=0) / np.sqrt(6)
 
 
 def resting(values: Array, step: float, noise: float) -> Array:
@@ -48,25 +71,35 @@ def resting(values: Array, step: float, noise: float) -> Array:
     return binary_erosion(still, iterations=half // 2, border_value=1)
 
 
-def _smooth(values: Array, step: float, noise: float) -> Array:
-    n, still = len(values), resting(values, step, noise)
+def _rested(samples: Array, step: float, noise: float) -> Array:
+    """Samples with every rest at its mean, (n,)."""
+    still, samples = resting(samples, step, noise), samples.copy()
     edges = np.flatnonzero(np.diff(np.concatenate([[0], still.astype(int), [0]])))
-    target, weight = values.copy(), np.ones(n)
     for start, stop in edges.reshape(-1, 2):
-        target[start:stop], weight[start:stop] = values[start:stop].mean(), REST_WEIGHT
-    if still.all():
-        return target
-    third = diags_array([-1.0, 3.0, -3.0, 1.0], offsets=[0, 1, 2, 3], shape=(n - 3, n))
-    penalty = (third.T @ third).tocsc()
+        samples[start:stop] = samples[start:stop].mean()
+    return samples
 
-    def solve(log_weight: float) -> Array:
-        return spsolve((diags_array(weight) + 10**log_weight * penalty).tocsc(), weight * target)
 
-    def excess(log_weight: float) -> float:
-        moving = ~still
-        return float(np.sqrt(np.mean((values - solve(log_weight))[moving] ** 2)) - noise)
+def _coefficients(basis: csr_array, samples: Array, noise: float, spacing: float) -> Array:
+    """Spline coefficients c, (m,)."""
+    size, scale = basis.shape[1], spacing**3
+    gram = basis.T @ basis / noise**2
+    data = np.stack([np.pad(gram.diagonal(k), (k, 0)) for k in range(DEGREE, -1, -1)])  # upper bands
+    jerk = np.full(size - 3, FIRST_JERK**2)
+    for _ in range(ROUNDS):
+        bands = data.copy()
+        bands[-4:] += third_difference_bands(1 / (jerk * scale**2))
+        found = solveh_banded(bands, basis.T @ samples / noise**2)
+        local = uniform_filter1d((np.diff(found, 3) / scale) ** 2, max(1, round(LOCAL / spacing)))
+        jerk = GAIN * np.maximum(local, 0) + LEAST_JERK**2  # a running mean of squares may round below zero
+    return found
 
-    low, high = -2.0, 9.0
-    if excess(low) > 0 or excess(high) < 0:
-        return solve(low if excess(low) > 0 else high)
-    return solve(brentq(excess, low, high, xtol=0.05))
+
+def third_difference_bands(weight: Array) -> Array:
+    """Upper bands of D^T diag(weight) D with D the third difference, (4, n + 3) of weight (n,)."""
+    stencil, size = (-1.0, 3.0, -3.0, 1.0), len(weight)
+    bands = np.zeros((4, size + 3))
+    for i in range(4):
+        for j in range(i, 4):
+            bands[3 - j + i, j : j + size] += stencil[i] * stencil[j] * weight
+    return bands
