@@ -102,8 +102,15 @@ def _lines(summary: LogSummary) -> list[str]:
         for path, ranges in topic.fields.items():
             shown = [f"{name} {r.least:.4g}..{r.most:.4g}" for name, r in list(ranges.items())[:8] if r.least <= r.most]
             lines.append(f"    {path}: {', '.join(shown)}" + (", ..." if len(ranges) > 8 else ""))
+        lines += [f"    time column {name}: {_span(run)}" for name, run in topic.own.items()]
         lines += [f"    ! {finding}" for finding in _findings(topic)]
     return lines
+
+
+def _span(times: Times) -> str:
+    """From when to when a column of times goes, in its own unit."""
+    step = 1 / times.rate_hz if times.rate_hz else 0.0
+    return f"{times.start:.10g} to {times.stop:.10g}, usual step {step:.6g}"
 
 
 def _findings(topic: Topic) -> list[str]:

@@ -7,6 +7,7 @@ in an encoded message. `[]` goes through all elements of a list, `[2]` takes the
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 STEP = re.compile(r"\[(\d*)\]|([^.\[\]]+)")
@@ -40,7 +41,7 @@ def select(tree: Any, path: str) -> Selection:
     """
     nodes: list[tuple[str, Any]] = [("", tree)]
     names: tuple[str, ...] = ()
-    for index, key in STEP.findall(path):
+    for index, key in _steps(path):
         following: list[tuple[str, Any]] = []
         for label, node in nodes:
             if key:
@@ -64,6 +65,12 @@ def select(tree: Any, path: str) -> Selection:
             raise ValueError(f"{count} values of {path} for the {len(names)} names {', '.join(names)}")
         return Selection(names or tuple(map(str, range(count))), tuple(leaves))
     return Selection(tuple(labels), tuple(leaves))
+
+
+@cache
+def _steps(path: str) -> tuple[tuple[str, str], ...]:
+    """Index and key of every step of a path; one of them is empty."""
+    return tuple(STEP.findall(path))
 
 
 def _names_beside(node: Any) -> tuple[str, ...]:

@@ -1,5 +1,6 @@
 """What is in a log: topics, types, rates, jitter, gaps, repetitions, clock resets, names, ranges."""
 
+import re
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -18,6 +19,7 @@ from boom_mj.logs.formats import format_of
 from boom_mj.logs.order import LATE
 from boom_mj.logs.topics import METADATA
 
+TIME = re.compile(r"^_*(time|t|timestamp|stamp|zeit|sec|seconds)(_?(s|ms|us|ns))?$", re.I)
 MOST_NUMBERS = 64  # in a field; more are pictures and clouds
 LARGEST = 2**16  # bytes of a message that is looked into
 
@@ -212,6 +214,7 @@ class _Tally:
             for i, name in enumerate(self.ranges[ALL]):
                 if len(rows) > 1 and (np.diff(rows[:, i]) > 0).mean() > 0.9:
                     own[name] = times(np.round(rows[:, i] * 1e9))
+            own = {name: run for name, run in own.items() if TIME.match(name)} or own
         return Topic(
             channel=self.channel,
             count=0 if log is None else log.size,

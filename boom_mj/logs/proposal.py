@@ -4,8 +4,9 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from boom_mj.logs.checks import DRIVING
 from boom_mj.logs.encodings.row import ALL
-from boom_mj.logs.inspection import LogSummary, Range, Topic
+from boom_mj.logs.inspection import TIME, LogSummary, Range, Topic
 from boom_mj.logs.topic_map import FIELDS
 from boom_mj.logs.topics import TOPIC_NAMED
 from boom_mj.logs.units import GUESS, UNITS, guess_unit
@@ -21,7 +22,7 @@ RATE, FORCE = re.compile(r"gyro|rate|omega|angular|vel", re.I), re.compile(r"for
 ACCELERATION = re.compile(r"acc|specific_force", re.I)
 AXIS = re.compile(r"(?:^|[_/.])([xyz])(?:[_/.]|$)|([xyz])$", re.I)
 SI = re.compile(r"^(sensor_msgs|geometry_msgs|control_msgs|trajectory_msgs|foxglove)\b")  # types that prescribe units
-TIME = re.compile(r"^_*(time|t|timestamp|stamp|zeit|sec|seconds)(_?(s|ms|us|ns))?$", re.I)
+SLEW = re.compile(r"slew|swing|yaw|turret|dreh|rotat", re.I)
 
 
 @dataclass(frozen=True)
@@ -63,12 +64,15 @@ def propose_map(summary: LogSummary) -> str:
             for proposal in sorted(found[signal], key=lambda p: (not p.exact, -len(p.pairs), -p.topic.count)):
                 if not any(proposal.pairs.keys() & other.pairs.keys() or not other.pairs for other in chosen):
                     chosen.append(proposal)  # joints may come from several topics
-            for proposal in chosen:
-                lines += ["", *_entry(proposal, _rivals(proposal.topic, summary))]
-            lines += _constants(signal, {channel for proposal in chosen for channel in proposal.pairs})
+            entries = [line for p in chosen for line in ("", *_entry(p, _rivals(p.topic, summary)))]
+            given = {channel for proposal in chosen for channel in proposal.pairs}
+            absent = [channel for channel in QUANTITIES[signal].channels if given and channel not in given]
+            if absent and signal != DRIVING:
+                entries = [f"# {line}" if line and not line.startswith("#") else line for line in entries]
+            lines += entries + (_constants(signal, absent) if absent else [])
             rest = [proposal for proposal in found[signal] if proposal not in chosen]
             lines += [f"# also possible: {other.topic.channel.topic} {other.field}" for other in rest[:3]]
-    if "joint/position" not in found:
+    if DRIVING not in found:
         lines += ["", '# no joint angles were recognised: replay needs an entry with signal = "joint/position"']
     return "\n".join(lines) + "\n"
 
@@ -115,19 +119,23 @@ def _known(signal: str, topic: Topic, path: str, ranges: Mapping[str, Range]) ->
 
 
 def _joints(signal: str, topic: Topic, path: str, ranges: Mapping[str, Range]) -> Iterator[Proposal]:
-    """Joints by their numbers, or, if there are just five names without, by their order."""
-    joints, names = QUANTITIES[signal].channels, tuple(ranges)
-    if set(joints) & set(names):
-        yield Proposal(signal, topic, path, {joint: joint for joint in joints if joint in names}, ranges)
-        return
-    matched = {name: place[1] for name in names if (place := JOINT.search(name))}
-    if len(names) == 1 and not matched and (place := JOINT.search(topic.channel.topic)):
-        matched = {names[0]: place[1]}
-    pairs = {f"joint{number}": name for name, number in sorted(matched.items(), key=lambda item: item[1])}
-    if pairs and len(pairs) == len(matched):
-        yield Proposal(signal, topic, path, pairs, ranges)
-    elif len(names) == len(joints):
-        yield Proposal(signal, topic, path, dict(zip(joints, names)), ranges, "the order of the joints is a guess")
+    """Joints by their names, or their numbers, or, if there are just five names without, by their order."""
+    joints, names, remark = QUANTITIES[signal].channels, tuple(ranges), ""
+    pairs = {joint: joint for joint in joints if joint in names}
+    if not pairs:
+        matched = {name: int(place[1]) for name in names if (place := JOINT.search(name))}
+        if len(names) == 1 and not matched and (place := JOINT.search(topic.channel.topic)):
+            matched = {names[0]: int(place[1])}
+        slewing = [name for name in names if name not in matched and SLEW.search(name)]
+        if len(slewing) == 1 and 5 not in matched.values():
+            matched = {slewing[0]: 1, **{name: number + 1 for name, number in matched.items()}}
+            remark = "joint1 is what slews, and the others are counted from there: a guess"
+        pairs = {f"joint{number}": name for name, number in sorted(matched.items(), key=lambda item: item[1])}
+        if len(pairs) < len(matched) or (not pairs and len(names) != len(joints)):
+            return
+        if not pairs:
+            pairs, remark = dict(zip(joints, names)), "the order of the joints is a guess"
+    yield Proposal(signal, topic, path, pairs, ranges, remark)
 
 
 def _numbered(
@@ -141,6 +149,7 @@ def _numbered(
 def _of_table(topic: Topic) -> Iterator[Proposal]:
     """Columns of a table, by their names."""
     found: dict[str, dict[str, str]] = {}
+    joints: dict[str, dict[str, Range]] = {}
     ranges = topic.fields.get(ALL, {}) if topic.channel.encoding == "row" else {}
     for name in ranges:
         axis = AXIS.search(name)
@@ -153,13 +162,15 @@ def _of_table(topic: Topic) -> Iterator[Proposal]:
         elif letter and (place := LINK.search(name)) and (ACCELERATION.search(name) or RATE.search(name)):
             what = "specific_force" if ACCELERATION.search(name) and not RATE.search(name) else "angular_rate"
             found.setdefault(f"imu/link{place[1]}/{what}", {}).setdefault(letter, name)
-        elif place := JOINT.search(name):
+        elif JOINT.search(name) or SLEW.search(name):
             rate = RATE.search(name)
             signal = (
                 f"joint_command/{'velocity' if rate else 'position'}" if COMMANDED.search(name) else "joint/position"
             )
-            if signal != "joint/position" or (not rate and not FORCE.search(name)):
-                found.setdefault(signal, {}).setdefault(f"joint{place[1]}", name)
+            if signal != "joint/position" or not (rate or FORCE.search(name)):
+                joints.setdefault(signal, {})[name] = ranges[name]
+    for signal, columns in joints.items():
+        yield from _joints(signal, topic, ALL, columns)
     for signal, pairs in found.items():
         yield Proposal(signal, topic, ALL, dict(sorted(pairs.items())), ranges)
 
@@ -184,7 +195,7 @@ def _entry(proposal: Proposal, rivals: list[int]) -> list[str]:
     signal, topic, quantity = proposal.signal, proposal.topic, QUANTITIES[proposal.signal]
     names = tuple(proposal.pairs.values()) or tuple(proposal.ranges)
     largest = max((proposal.ranges[name].largest for name in names), default=0.0)
-    unit = guess_unit(signal, largest, names[0] if names else "", bool(SI.search(topic.channel.type)))
+    unit = guess_unit(signal, largest, names, bool(SI.search(topic.channel.type)))
     missing = sum(proposal.ranges[name].missing for name in names)
     remarks = [proposal.remark] if proposal.remark else []
     if missing:
@@ -204,19 +215,15 @@ def _entry(proposal: Proposal, rivals: list[int]) -> list[str]:
     return lines
 
 
-def _constants(signal: str, given: set[str]) -> list[str]:
+def _constants(signal: str, absent: list[str]) -> list[str]:
     """What to write for channels that the log lacks."""
-    quantity = QUANTITIES[signal]
-    absent = [channel for channel in quantity.channels if given and channel not in given]
-    if not absent:
-        return []
     return [
         f"# {', '.join(absent)} not found; what stood still can be given as a constant:",
         "# [[entry]]",
         f'# signal = "{signal}"',
         f"# to = [{', '.join(map(_text, absent))}]",
         f"# constant = [{', '.join('0.0' for _ in absent)}]",
-        f'# unit = "{quantity.unit}"',
+        f'# unit = "{QUANTITIES[signal].unit}"',
     ]
 
 

@@ -31,20 +31,21 @@ PLAUSIBLE = {  # by signal or SI unit: (least, most) of the largest magnitude, i
 }
 
 
-def guess_unit(signal: str, largest: float, hint: str, by_convention: bool) -> str:
+def guess_unit(signal: str, largest: float, names: tuple[str, ...], by_convention: bool) -> str:
     """Unit of the numbers that feed a signal: the first in which they are plausible.
 
     Args:
         largest: their largest magnitude, in the unit of the log.
-        hint: their name, which may end in a unit, such as "boom_deg".
+        names: what they are called; names may end in a unit, such as "boom_deg".
         by_convention: whether the message type prescribes SI.
 
     Returns:
-        The unit; with a question mark where neither the type nor the name speaks for it.
+        The unit; with a question mark where neither the type nor all of the names speak for it.
     """
     si = QUANTITIES[signal].unit
     for unit in UNITS[si]:
-        if re.search(rf"[_ \[(]{re.escape(unit).replace('/', '[_/]?')}[\])]?$", hint, re.IGNORECASE):
+        ending = re.compile(rf"[_ \[(]{re.escape(unit).replace('/', '[_/]?')}[\])]?$", re.IGNORECASE)
+        if names and all(ending.search(name) for name in names):
             return unit
     least, most = PLAUSIBLE.get(signal) or PLAUSIBLE[si]
     for unit, factor in UNITS[si].items():

@@ -409,6 +409,30 @@ def test_inspect_guesses_degrees_and_the_guess_is_not_accepted(tmp_path):
         assert done.returncode == status and done.stdout == "" and "Traceback" not in done.stderr
 
 
+def test_columns_of_a_table_are_recognised_by_their_names_and_what_is_doubtful_is_said(tmp_path):
+    names = ["Zeit", "Drehwerk", *(f"Arm{i}_deg" for i in range(1, 5)), "Arm1_soll_deg", "Zylinder2_Kraft_kN"]
+    names += [f"link5_acc_{axis}_g" for axis in "xyz"]
+    rows = [[1000 / 15 * i, 10.0, 60 + i / 90, -35, -40, -45, 60, 420.1, 0, 1, 0] for i in range(90)]
+    lines = [";".join(f"{x:.3f}".replace(".", ",") for x in row) for row in rows]
+    path = tmp_path / "messy.csv"
+    path.write_text(";".join(names) + "\n" + "\n".join(lines) + "\n")
+    text = propose_map(inspect_log(path))
+    for line in (
+        'from = ["Drehwerk", "Arm1_deg", "Arm2_deg", "Arm3_deg", "Arm4_deg"]',
+        'unit = "deg?"',  # one of the names does not say so
+        'time_unit = "ms?"',
+        'unit = "g"',
+        "# cylinder3 not found",
+        '# from = ["Arm1_soll_deg"]',
+    ):
+        assert f"\n{line}" in text
+    with pytest.warns(LogWarning, match="joint angles at 15.0 Hz"):
+        found = read_log(path, proposed(path, tmp_path))
+    assert set(found.signals) == {"joint/position", "imu/link5/specific_force"}
+    np.testing.assert_allclose(found["joint/position"].values[0], np.deg2rad([10, 60, -35, -40, -45]))
+    np.testing.assert_allclose(found["imu/link5/specific_force"].values[0], [0, 9.80665, 0])
+
+
 def test_replay_takes_a_map(tmp_path):
     time = np.arange(0, 4, 0.02)
     angles = np.outer(np.ones_like(time), [0, 1.0, -0.5, -0.5, -0.5])
