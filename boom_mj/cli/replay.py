@@ -1,6 +1,7 @@
 """replay: the joint angles of a log drive the model."""
 
 import json
+import math
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -11,6 +12,7 @@ from boom_mj.cli.arguments import Hinges, find_machine, output_path
 from boom_mj.errors import InputError
 from boom_mj.logs import load_topic_map, read_log, write_mcap
 from boom_mj.sensors import Replay, boom_scene, replay
+from boom_mj.sensors.quality import Quality, assess
 from boom_mj.simulation import make_plant
 
 
@@ -28,7 +30,8 @@ def command(
 ) -> None:
     """Drive the model with a log's joint angles and known load, and compare every channel group with its noise.
 
-    The angles are smoothed: held at their mean where the joint rests, by a spline of locally even jerk between.
+    First the log is judged, on stderr: what moves, rates against the first modes, noise against the machine file,
+    gaps. The angles are smoothed: held at their mean where the joint rests, by a spline of locally even jerk between.
     """
     for path, suffix in ((output, ".mcap"), (picture, ".png")):
         if path is not None:
@@ -38,7 +41,12 @@ def command(
     recording = read_log(log, None if topic_map is None else load_topic_map(topic_map))
     if machine is None and not recording.machine:
         raise InputError(f"{log}: the log does not name its machine; say which with --machine")
-    result = replay(make_plant(find_machine(machine or recording.machine), hinges), recording)
+    plant = make_plant(find_machine(machine or recording.machine), hinges)
+    quality = assess(plant, recording)
+    print(f"{recording.name}: {quality.summary()}", file=sys.stderr)
+    for remark in quality.remarks():
+        print(f"warning: {remark}", file=sys.stderr)
+    result = replay(plant, recording)
     if output is not None:
         scene = boom_scene(result.trajectory, recording["joint/position"].time[0])
         write_mcap(result.twin, output, beside={"/measured": result.log}, scene=scene)
@@ -46,18 +54,42 @@ def command(
         from boom_mj.report import draw_overlay
 
         draw_overlay(result, picture)
-    print(json.dumps(_document(result), indent=1) if as_json else _table(result))
+    print(json.dumps(_document(result, quality), indent=1) if as_json else _table(result))
     for path in (output, picture):
         if path is not None:
             print(f"wrote {path}", file=sys.stderr)
 
 
-def _document(result: Replay) -> dict:
+def _document(result: Replay, quality: Quality) -> dict:
     groups = {g.name: {"rms": g.rms, "noise": g.noise, "ratio": g.ratio, "unit": g.unit} for g in result.groups}
     steps = len(result.trajectory.time)
     simulated = float(result.trajectory.time[-1])
     timing = {"simulated_s": simulated, "steps": steps, "loop_wall_s": result.loop_wall_s}
-    return {"log": result.log.name, "machine": result.twin.machine, "groups": groups, "timing": timing}
+    document = {"log": result.log.name, "machine": result.twin.machine, "groups": groups, "timing": timing}
+    return {**document, "quality": _quality(quality)}
+
+
+def _quality(quality: Quality) -> dict:
+    """Rates and gaps by signal, noise and excitation by channel; noise is null where a channel has no samples."""
+    signals = {
+        s.name: {
+            "rate_hz": s.rate_hz,
+            "samples_per_period": s.samples_per_period,
+            "missing": s.missing,
+            "longest_gap_s": s.longest_gap,
+            "longest_gap_at_s": s.longest_gap_at,
+            "channels": {
+                c.name: {
+                    "noise": None if math.isnan(c.noise) else c.noise,
+                    "expected_noise": c.expected_noise,
+                    "excitation": c.excitation,
+                }
+                for c in s.channels
+            },
+        }
+        for s in quality.signals
+    }
+    return {"modes_hz": quality.modes_hz, "remarks": quality.remarks(), "signals": signals}
 
 
 def _table(result: Replay) -> str:
