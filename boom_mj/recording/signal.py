@@ -3,7 +3,6 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.signal
 
 from boom_mj.errors import LogError
 
@@ -140,7 +139,9 @@ def spectrum(signal: Signal, taper: str = "hann") -> Spectrum:
     if (gaps := np.argwhere(np.isnan(signal.values))).size:
         i, j = gaps[0]
         raise LogError(f"{signal.channels[j]} has no value at {signal.time[i]:.3f} s; a spectrum needs all of them")
-    frequency_hz, power = scipy.signal.periodogram(signal.values, rate_hz, taper, scaling="spectrum", axis=0)
+    from scipy.signal import periodogram  # as long to import as a minute of boom takes to simulate
+
+    frequency_hz, power = periodogram(signal.values, rate_hz, taper, scaling="spectrum", axis=0)
     one_sided = np.full_like(frequency_hz, 2.0)  # a^2 / 2 is a sine's power
     one_sided[0] = 1.0
     if signal.time.size % 2 == 0:

@@ -18,7 +18,6 @@ import numpy as np
 from scipy.interpolate import BSpline
 from scipy.linalg import solveh_banded
 from scipy.ndimage import binary_erosion, uniform_filter1d
-from scipy.signal import savgol_filter
 from scipy.sparse import csr_array
 
 Array = np.ndarray
@@ -64,9 +63,10 @@ def white_noise(values: Array) -> Array:
 
 def resting(values: Array, step: float, noise: float) -> Array:
     """Where a joint stands still, (n,) of bool."""
-    half = max(2, round(WINDOW / step / 2))
-    width, lag = min(2 * half + 1, len(values)), np.arange(-half, half + 1)
-    slope = savgol_filter(values, width, polyorder=1, deriv=1)  # of a line through every window, per sample
+    half = min(max(2, round(WINDOW / step / 2)), (len(values) - 1) // 2)
+    lag = np.arange(-half, half + 1)
+    inner = np.correlate(values, lag / (lag @ lag), mode="valid")  # slope of a line through every window, per sample
+    slope = np.pad(inner, half, mode="edge")
     still = np.abs(slope) < SLOPE_SIGMAS * noise / np.sqrt(lag @ lag)
     return binary_erosion(still, iterations=half // 2, border_value=1)
 
