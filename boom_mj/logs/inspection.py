@@ -15,7 +15,7 @@ from boom_mj.logs.checks import HOLE
 from boom_mj.logs.encodings import Decoder, decoder_of
 from boom_mj.logs.encodings.row import ALL
 from boom_mj.logs.fields import numeric_fields, select
-from boom_mj.logs.formats import format_of
+from boom_mj.logs.formats import format_of, log_file
 from boom_mj.logs.order import LATE
 from boom_mj.logs.topics import METADATA
 
@@ -113,7 +113,7 @@ def inspect_log(path: str | Path) -> LogSummary:
     Raises:
         LogError: a file that is missing, damaged or of no known format.
     """
-    path = Path(path)
+    path = log_file(Path(path))
     kind = format_of(path)
     tallies: dict[int, _Tally] = {}
     labels: dict[str, str] = {}

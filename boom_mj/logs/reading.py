@@ -7,7 +7,7 @@ from boom_mj.errors import LogError, LogWarning
 from boom_mj.logs.channel import Batch, Channel
 from boom_mj.logs.checks import DRIVING, checked
 from boom_mj.logs.encodings import Decoder, decoder_of
-from boom_mj.logs.formats import format_of
+from boom_mj.logs.formats import format_of, log_file
 from boom_mj.logs.intake import Intake, Part
 from boom_mj.logs.merging import merged, with_shared_times
 from boom_mj.logs.topic_map import TopicMap, own_map
@@ -26,7 +26,7 @@ def read_log(path: str | Path, topic_map: TopicMap | None = None) -> Recording:
         LogError: a file that is missing, damaged or of no known format; a topic of the wrong type or frame; a clock
             that was set back; missing joints; holes in joint angles. The message names file, topic and time.
     """
-    path = Path(path)
+    path = log_file(Path(path))
     reader = _Reader(path, topic_map or own_map())
     try:
         for item in format_of(path).read(path, reader.wants):

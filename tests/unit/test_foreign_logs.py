@@ -12,6 +12,7 @@ import pytest
 from foreign import ANGLES, JOINTS, START, TIME, imu, joint_state, joint_states, ros2, write_mcap_channels
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mcap.writer import CompressionType
 from rosbags.rosbag2 import Reader as Ros2Reader
 from rosbags.typesys import Stores, get_typestore
 
@@ -56,6 +57,27 @@ def test_every_format_gives_the_same_angles_through_its_proposed_map(writer, tmp
 @pytest.mark.parametrize("writer", [foreign.from_msg, foreign.from_idl, foreign.from_ros2_bag, foreign.from_database])
 def test_logs_with_our_topics_need_no_map(writer, tmp_path):
     np.testing.assert_array_equal(read_log(writer(tmp_path))["joint/position"].values, ANGLES)
+
+
+def test_a_folder_with_one_file_is_that_file_even_without_its_metadata(tmp_path):
+    foreign.from_msg(tmp_path)
+    np.testing.assert_array_equal(read_log(tmp_path)["joint/position"].values, ANGLES)
+    (bag := foreign.from_ros2_bag(tmp_path)).joinpath("metadata.yaml").unlink()
+    np.testing.assert_array_equal(read_log(bag)["joint/position"].values, ANGLES)
+    (bag / "ros2.db3").unlink()
+    with pytest.raises(LogError, match="ros2 is not an MCAP file, nor one of ROS 1 bag, ROS 2 bag, CSV table"):
+        read_log(bag)
+
+
+def test_a_cut_in_a_chunk_says_how_much_of_it_is_lost(tmp_path):
+    channel = ros2("/joint_states", joint_states())
+    path = write_mcap_channels(tmp_path / "log.mcap", [channel], compression=CompressionType.NONE)
+    path.write_bytes(path.read_bytes()[:12000])
+    says = r"log\.mcap is cut off: \d+ messages .* went on to 1700000002\.000 s: 0\.\d+ s \(\d+ of its \d+ bytes\) are lost"
+    with pytest.warns(LogWarning, match=says):
+        found = read_log(path)["joint/position"].values
+    assert 20 < len(found) < 100
+    np.testing.assert_array_equal(found, ANGLES[: len(found)])
 
 
 # --- CDR: all at once, like rosbags one by one -------------------------------------------------------------------

@@ -28,6 +28,15 @@ def format_of(path: Path) -> Format:
     raise LogError(f"{path} is not an MCAP file, nor one of {', '.join(f.name for f in FORMATS[1:])}")
 
 
+def log_file(path: Path) -> Path:
+    """The log itself: of a folder with just one MCAP file, or just one database without metadata, that file."""
+    if path.is_dir():
+        files = [*path.glob("*.mcap"), *([] if (path / "metadata.yaml").exists() else path.glob("*.db3"))]
+        if len(files) == 1:
+            return files[0]
+    return path
+
+
 def _head(path: Path) -> bytes:
     with path.open("rb") as stream:
         return stream.read(HEAD)

@@ -53,7 +53,7 @@ class _McapFile:
         self.held = 0  # bytes of messages that wait
         self.count, self.last = 0, 0  # messages so far, latest log time, ns
         self.fresh: list[Channel] = []  # not yet announced
-        self.lost = "whatever came after that is lost"
+        self.lost = "what came after that is lost; without the end of the file there is no telling how much"
 
     def readable(self) -> str:
         """Up to when the file could be read."""
