@@ -1,6 +1,8 @@
 """Flexible large manipulators in MuJoCo: from a machine file to a model, its simulation and the replay of logs."""
 
 from boom_mj.errors import BoomError as BoomError
+from boom_mj.logs import load_topic_map as load_topic_map
+from boom_mj.logs import read_log as read_log
 from boom_mj.logs import read_mcap as read_mcap
 from boom_mj.logs import write_mcap as write_mcap
 from boom_mj.machine import Machine as Machine

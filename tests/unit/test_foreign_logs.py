@@ -73,11 +73,20 @@ def test_a_cut_in_a_chunk_says_how_much_of_it_is_lost(tmp_path):
     channel = ros2("/joint_states", joint_states())
     path = write_mcap_channels(tmp_path / "log.mcap", [channel], compression=CompressionType.NONE)
     path.write_bytes(path.read_bytes()[:12000])
-    says = r"log\.mcap is cut off: \d+ messages .* went on to 1700000002\.000 s: 0\.\d+ s \(\d+ of its \d+ bytes\) are lost"
+    says = r"is cut off: \d+ messages .* went on to 1700000002\.000 s: 0\.\d+ s \(\d+ of its \d+ bytes\) are lost"
     with pytest.warns(LogWarning, match=says):
         found = read_log(path)["joint/position"].values
     assert 20 < len(found) < 100
     np.testing.assert_array_equal(found, ANGLES[: len(found)])
+
+
+def test_a_file_that_lost_its_middle_is_damaged_not_cut_off(tmp_path):
+    channel = ros2("/joint_states", joint_states())
+    path = write_mcap_channels(tmp_path / "log.mcap", [channel], use_chunking=False)
+    content = path.read_bytes()
+    path.write_bytes(content[:5000] + content[-8:])  # the magic bytes that end a whole file
+    with pytest.raises(LogError, match=r"log\.mcap is damaged, readable up to 17\d+\.\d+ s: a record of \d+ bytes"):
+        read_log(path)
 
 
 # --- CDR: all at once, like rosbags one by one -------------------------------------------------------------------
@@ -193,6 +202,15 @@ def test_joints_from_topics_of_their_own_are_put_on_common_times_aloud(tmp_path)
         np.stack([np.interp(found.time[1:-1], TIME + 0.005 * (i == 0), ANGLES[:, i]) for i in range(5)], 1),
         atol=2e-6,  # a double holds such times to 2e-7 s
     )
+
+
+def test_parts_that_share_their_times_are_not_interpolated(tmp_path):
+    slew, rest = joint_states(["slew"], ANGLES[:, :1]), joint_states(JOINTS[1:], ANGLES[5:, 1:], TIME[5:])
+    path = write_mcap_channels(tmp_path / "log.mcap", [ros2("/slew", slew), ros2("/joint_states", rest)])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", LogWarning)
+        found = read(path, angles_entry(topic="/slew", source="slew", to="joint1"), angles_entry(to=JOINTS[1:]))
+    np.testing.assert_array_equal(found["joint/position"].values, ANGLES[5:])
 
 
 def test_two_publishers_of_different_joints_on_one_topic_go_together(tmp_path):
