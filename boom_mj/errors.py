@@ -43,3 +43,15 @@ class EquilibriumError(BoomError):
 
 class SimulationError(BoomError):
     """A simulation left the numbers: when, and which coordinate."""
+
+
+class RenderError(BoomError):
+    """Pictures cannot be made or written: no OpenGL, a full disk, a worker that died."""
+
+
+class DatasetError(InputError):
+    """A folder of pictures that is not what was asked for: what it holds, and what it must hold."""
+
+
+class TrackError(BoomError):
+    """Pictures from which no positions follow: which camera, and what was missing."""

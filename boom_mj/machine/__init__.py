@@ -6,6 +6,8 @@ from boom_mj.machine.model import Link as Link
 from boom_mj.machine.model import Machine as Machine
 from boom_mj.machine.model import load_machine as load_machine
 from boom_mj.machine.model import parse_machine as parse_machine
+from boom_mj.machine.rig import Camera as Camera
+from boom_mj.machine.rig import Targets as Targets
 from boom_mj.machine.shapes import AXES as AXES
 from boom_mj.machine.shapes import Shape as Shape
 from boom_mj.machine.shapes import ritz_shapes as ritz_shapes

@@ -8,14 +8,13 @@ import math
 import tomllib
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal, Self, get_args
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
 
 from boom_mj.errors import MachineFileError
-
-Positive = Annotated[FiniteFloat, Field(gt=0)]
-NonNegative = Annotated[FiniteFloat, Field(ge=0)]
+from boom_mj.machine.fields import Frozen, NonNegative, Pair, Point2, Positive
+from boom_mj.machine.rig import Camera, Targets
 
 
 def _ordered(pair: tuple[float, float]) -> tuple[float, float]:
@@ -24,16 +23,10 @@ def _ordered(pair: tuple[float, float]) -> tuple[float, float]:
     return pair
 
 
-Pair = tuple[Positive, Positive]
-Point2 = tuple[FiniteFloat, FiniteFloat]
 RangeDeg = Annotated[tuple[FiniteFloat, FiniteFloat], AfterValidator(_ordered)]
 
 
-class _Frozen(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=False)
-
-
-class Drive(_Frozen):
+class Drive(Frozen):
     """What every joint has: limits, speed limit and viscous friction (eq. 24)."""
 
     range_deg: RangeDeg
@@ -103,11 +96,11 @@ class Link(Drive):
         return self
 
 
-class OffsetProfile(_Frozen):
+class OffsetProfile(Frozen):
     kind: Literal["ramp", "step"]
 
 
-class Damping(_Frozen):
+class Damping(Frozen):
     """Kelvin-Voigt `relaxation_time` (s) and the line dissipations d_v = d_w = `bending`, d_t = `torsion` of (24)."""
 
     relaxation_time: NonNegative
@@ -115,12 +108,12 @@ class Damping(_Frozen):
     torsion: NonNegative
 
 
-class MassAt(_Frozen):
+class MassAt(Frozen):
     mass: NonNegative
     x: FiniteFloat
 
 
-class PointMasses(_Frozen):
+class PointMasses(Frozen):
     """Actuator masses of eq. (20): at the tips of links 2-4 and at two places of link 2."""
 
     joint3: NonNegative
@@ -130,12 +123,12 @@ class PointMasses(_Frozen):
     cylinder3: MassAt
 
 
-class Rod(_Frozen):
+class Rod(Frozen):
     x: FiniteFloat
     y: FiniteFloat
 
 
-class _Bore(_Frozen):
+class _Bore(Frozen):
     bore: Positive
     rod_diameter: Positive
 
@@ -153,7 +146,7 @@ class Cylinder2(_Bore):
     rod: Rod
 
 
-class Lever(_Frozen):
+class Lever(Frozen):
     length: Positive
     angle_deg: FiniteFloat
 
@@ -169,23 +162,23 @@ class Cylinder3(_Bore):
     branch: Literal[-1, 1]
 
 
-class EndHose(_Frozen):
+class EndHose(Frozen):
     length: Positive
     empty_mass: NonNegative
 
 
-class DeliveryPipe(_Frozen):
+class DeliveryPipe(Frozen):
     mass_per_length_concrete: NonNegative
 
 
-class Rates(_Frozen):
+class Rates(Frozen):
     joint: Positive
     imu: Positive
     marker: Positive
     cylinder: Positive
 
 
-class Noise(_Frozen):
+class Noise(Frozen):
     """Standard deviations: deg, m/s^2, rad/s, m (world x and z), m (world y), N."""
 
     joint_deg: NonNegative
@@ -196,7 +189,7 @@ class Noise(_Frozen):
     cylinder_force: NonNegative
 
 
-class EffectEntry(_Frozen):
+class EffectEntry(Frozen):
     """An effect that this machine has beyond the nominal model: its id, and its place and parameters by name."""
 
     model_config = ConfigDict(frozen=True, extra="allow")
@@ -204,14 +197,14 @@ class EffectEntry(_Frozen):
     id: str
 
 
-class Sensors(_Frozen):
+class Sensors(Frozen):
     rates_hz: Rates
     noise: Noise
     markers_x: tuple[Annotated[FiniteFloat, Field(ge=-1, le=0)], ...]
     """Marker places as fractions of the link length, root outward."""
 
 
-class Machine(_Frozen):
+class Machine(Frozen):
     """A large manipulator: slewing gear and a planar chain of elastic links."""
 
     name: str
@@ -227,6 +220,8 @@ class Machine(_Frozen):
     delivery_pipe: DeliveryPipe
     sensors: Sensors
     effect: tuple[EffectEntry, ...] = ()
+    camera: tuple[Camera, ...] = ()
+    targets: Targets = Targets()
 
     @property
     def links(self) -> tuple[Link, ...]:
@@ -256,6 +251,8 @@ class Machine(_Frozen):
                 raise ValueError(
                     f"{link.name}.support = {link.support}: link2 has a cylinder support, no other link has one"
                 )
+        if len({camera.name for camera in self.camera}) < len(self.camera):
+            raise ValueError(f"camera: names must differ; got {', '.join(camera.name for camera in self.camera)}")
         for place in ("cylinder2", "cylinder3"):
             x = getattr(self.point_masses, place).x
             if not -self.link[0].length <= x <= 0:
@@ -321,5 +318,6 @@ def _known(location: tuple[int | str, ...]) -> list[str]:
     for part in location:
         if isinstance(part, str):
             annotation = model.model_fields[part].annotation
-            model = annotation if isinstance(annotation, type) and issubclass(annotation, BaseModel) else Link
+            kinds = (annotation, *get_args(annotation))
+            model = next(kind for kind in kinds if isinstance(kind, type) and issubclass(kind, BaseModel))
     return sorted(model.model_fields)

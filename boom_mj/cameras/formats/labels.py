@@ -1,0 +1,15 @@
+"""The labels of a data set, read back frame by frame."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from boom_mj.cameras.dataset import Dataset
+
+
+def each_label(folder: Path, dataset: Dataset) -> Iterator[tuple[int, str, dict[str, Any]]]:
+    """Number from 1, picture and label of every frame, in the order of the description."""
+    for number, frame in enumerate(dataset.frames):
+        path = folder / frame.file.replace("images/", "labels/", 1)
+        yield number + 1, frame.file, json.loads(path.with_suffix(".json").read_bytes())

@@ -1,0 +1,198 @@
+"""A data set frame by frame, by several processes, resumable: whatever has its label is done."""
+
+import multiprocessing
+import os
+import threading
+from collections.abc import Callable, Iterable
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from boom_mj.cameras.chequerboard import shoot_boards
+from boom_mj.cameras.dataset import sweep, write_bytes, write_json
+from boom_mj.cameras.exposure import expose, instants, noisy
+from boom_mj.cameras.film import Film
+from boom_mj.cameras.labels import label
+from boom_mj.cameras.light import weather_of
+from boom_mj.cameras.studio import Studio, choose_headless
+from boom_mj.errors import RenderError
+from boom_mj.machine.rig import Chequerboard
+
+Array = np.ndarray
+Report = Callable[[int, int], None]
+"""Told how many of how many frames are done."""
+BATCH = 4  # frames that a worker takes at once
+MILLIMETRES, FARTHEST = 1000.0, 65535
+
+
+@dataclass(frozen=True)
+class Look:
+    """How pictures are made.
+
+    Attributes:
+        suffix: ".png", or ".jpg" with a quality in percent.
+        depth, masks: whether to write them.
+        blur: instants within the exposure; 1 is sharp.
+        bands: of rows with their own time; 1 is a global shutter.
+        noise: whether the sensors add theirs.
+        randomise: what is drawn anew for every frame, among light, texture and pose.
+    """
+
+    suffix: str = ".png"
+    quality: int = 95
+    depth: bool = False
+    masks: bool = False
+    blur: int = 1
+    bands: int = 1
+    noise: bool = False
+    randomise: frozenset[str] = frozenset()
+    seed: int = 0
+
+    def encode(self, picture: Array) -> bytes:
+        """The file's bytes of a picture, red green blue."""
+        options = (
+            [cv2.IMWRITE_JPEG_QUALITY, self.quality] if self.suffix == ".jpg" else [cv2.IMWRITE_PNG_COMPRESSION, 3]
+        )
+        return cv2.imencode(self.suffix, picture[..., ::-1], options)[1].tobytes()
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One picture to take: the `number`th of a camera, at a true time, s."""
+
+    camera: str
+    number: int
+    stamp: float
+    time: float
+
+    def place(self, kind: str, suffix: str) -> str:
+        """Its file of a kind, relative to the data set."""
+        return f"{kind}/{self.camera}/{self.number:06d}{suffix}"
+
+
+def frames_of(film: Film, start: float, stop: float, every: int) -> list[Frame]:
+    """The frames that the cameras take from start to stop (s, their clocks), each `every`th one; ordered in time."""
+    frames = []
+    for camera in film.rig:
+        rate, offset = camera.file.frame_rate_hz / every, camera.file.clock_offset
+        for number in range(int(np.floor((stop - start) * rate + 1e-9)) + 1):
+            stamp = start + number / rate
+            frames.append(Frame(camera.name, number, round(stamp, 9), round(stamp - offset, 9)))
+    return sorted(frames, key=lambda frame: (frame.number, frame.camera))
+
+
+def shoot(studio: Studio, frame: Frame, look: Look, folder: Path) -> None:
+    """Take one frame: picture, depth and masks if wanted, and its label last."""
+    camera = studio.rig[frame.camera]
+    weather = weather_of(frame.number, look.randomise, look.seed, tuple(studio.rig))
+    if look.randomise:
+        studio.set_weather(weather)
+
+    def picture_at(shift: float) -> Array:
+        studio.pose(frame.time + shift)
+        return studio.picture(frame.camera)
+
+    picture = expose(picture_at, instants(camera.file, look.blur, look.bands))
+    if look.noise:
+        rng = np.random.default_rng((look.seed, 1, sorted(studio.rig).index(frame.camera), frame.number))
+        picture = noisy(picture, camera.file, rng)
+    write_bytes(folder / frame.place("images", look.suffix), look.encode(picture))
+    studio.pose(frame.time)
+    if look.depth:
+        depth = np.round(studio.depth(frame.camera) * MILLIMETRES)
+        write_bytes(folder / frame.place("depth", ".png"), _png(np.where(depth > FARTHEST, 0, depth).astype(np.uint16)))
+    if look.masks:
+        write_bytes(folder / frame.place("masks", ".png"), _png(studio.bodies(frame.camera)))
+    known = {"number": frame.number, "stamp": frame.stamp, "time": frame.time}
+    found = label(studio, frame.camera, studio.view(frame.camera, weather))
+    write_json(folder / frame.place("labels", ".json"), {**known, **found})
+
+
+def render_frames(film: Film, frames: list[Frame], look: Look, folder: Path, workers: int, report: Report) -> None:
+    """Take all frames that are not done yet.
+
+    Raises:
+        RenderError: no OpenGL, a full disk, or a worker that died; what is done stays.
+    """
+    sweep(folder)
+    missing = [frame for frame in frames if not (folder / frame.place("labels", ".json")).is_file()]
+    batches = [missing[k : k + BATCH] for k in range(0, len(missing), BATCH)]
+    done = len(frames) - len(missing)
+    report(done, len(frames))
+    for taken in _in_workers(
+        workers, (film,), [partial(_shoot_all, look=look, folder=folder, frames=b) for b in batches]
+    ):
+        done += taken
+        report(done, len(frames))
+
+
+def render_boards(film: Film, board: Chequerboard, files: dict[str, list[Path]], workers: int) -> None:
+    """Pictures of the chequerboard for the cameras whose files are not all there."""
+    missing = {name: paths for name, paths in files.items() if not all(path.is_file() for path in paths)}
+    jobs = [partial(_shoot_boards, board=board, camera=name, paths=paths) for name, paths in missing.items()]
+    for _ in _in_workers(workers, (film,), jobs):
+        pass
+
+
+def _shoot_all(look: Look, folder: Path, frames: list[Frame]) -> int:
+    for frame in frames:
+        shoot(_own_studio(), frame, look, folder)
+    return len(frames)
+
+
+def _shoot_boards(board: Chequerboard, camera: str, paths: list[Path]) -> int:
+    pictures = shoot_boards(_own_studio().rig[camera].view.intrinsics, board)
+    for path, picture in zip(paths, pictures, strict=True):
+        write_bytes(path, _png(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY)))
+    return len(paths)
+
+
+def _in_workers(workers: int, films: tuple[Film], jobs: list[partial[int]]) -> Iterable[int]:
+    """Results of jobs, as they come; the renderers live in processes of their own."""
+    if not jobs:
+        return
+    choose_headless()
+    context = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(min(workers, len(jobs)), context, _prepare, films)
+    try:
+        for future in as_completed([pool.submit(job) for job in jobs]):
+            yield future.result()
+    except BrokenProcessPool as error:
+        raise RenderError(
+            "a worker died, perhaps for want of memory; what is done stays, and the same call finishes it "
+            "(fewer --workers need less)"
+        ) from error
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+_studio: list[Studio] = []  # of this worker, from its first frame on
+_film: list[Film] = []
+
+
+def _prepare(film: Film) -> None:
+    cv2.setNumThreads(1)
+    _film.append(film)
+    threading.Thread(target=_leave_with_parent, daemon=True).start()
+
+
+def _own_studio() -> Studio:
+    if not _studio:
+        _studio.append(Studio(_film[0]))
+    return _studio[0]
+
+
+def _leave_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+def _png(picture: Array) -> bytes:
+    return cv2.imencode(".png", picture, [cv2.IMWRITE_PNG_COMPRESSION, 3])[1].tobytes()
