@@ -6,7 +6,7 @@ from typing import Any
 
 import typer
 
-from boom_mj.cli import generate, logs, replay, simulate, validate, view
+from boom_mj.cli import gap, generate, logs, replay, simulate, validate, view
 from boom_mj.errors import BoomError, InputError, LogWarning
 
 app = typer.Typer(
@@ -18,6 +18,7 @@ app = typer.Typer(
 for command in (generate, simulate, replay, validate, view):
     app.command(command.__name__.rpartition(".")[2])(command.command)
 app.add_typer(logs.app, name="logs")
+app.add_typer(gap.app, name="gap")
 
 
 def main() -> None:

@@ -15,11 +15,20 @@ MODELS = tuple(folder / "models" for folder in (Path(__file__).parents[1], Path(
 
 def find_machine(name: str) -> Machine:
     """A machine from a file, or from the models that come with the package by its name."""
+    return load_machine(_machine_path(name))
+
+
+def machine_text(name: str) -> str:
+    """The text of a machine file, found like `find_machine`."""
+    return _machine_path(name).read_text()
+
+
+def _machine_path(name: str) -> Path:
     if not Path(name).suffix:
         for folder in MODELS:
             if (folder / f"{name}.toml").is_file():
-                return load_machine(folder / f"{name}.toml")
-    return load_machine(name)
+                return folder / f"{name}.toml"
+    return Path(name)
 
 
 def output_path(path: Path, suffix: str) -> Path:

@@ -14,13 +14,13 @@ from threading import Lock
 
 import numpy as np
 
-from boom_mj.effects import AngleEffect, Effect, SignalEffect
+from boom_mj.effects import AngleEffect, Effect, SignalEffect, effects_of
 from boom_mj.errors import BoomError, LogError
 from boom_mj.machine import Machine
 from boom_mj.mjcf import BoomModel, build
 from boom_mj.recording import Recording, Signal
 from boom_mj.sensors import apply_sensor_effects, driving_angles, ideal_signals, noise_levels, sample, true_angles
-from boom_mj.simulation import run, step_times
+from boom_mj.simulation import Plant, run, step_times
 from boom_mj.simulation.plant import with_effects
 
 Array = np.ndarray
@@ -74,7 +74,10 @@ class Campaign:
         self._booms: dict[int, BoomModel] = {}
         self._futures: dict[tuple, Future] = {}
         self._dense: dict[tuple, dict[str, Signal]] = {}
-        self._lock = Lock()
+        self._parts: dict[tuple, Array] = {}
+        self._driven: dict[tuple[int, int], tuple[Array, Array]] = {}
+        self._plants: dict[tuple, Plant] = {}
+        self._lock, self._compiling = Lock(), Lock()
         self.channels = tuple(channel for index in range(len(recordings)) for channel in self._channels(index))
 
     @property
@@ -161,15 +164,28 @@ class Campaign:
     def _block_means(self, hypothesis: Hypothesis, hinges: int, index: int) -> Array:
         channels = [channel for channel in self.channels if channel.recording == index]
         try:
-            signals = self.twin(hypothesis, hinges, index)
+            dense, signals = self._signals(hypothesis, hinges, index)
         except BoomError:
             return np.full(sum(len(channel.time) for channel in channels), np.nan)
+        plain = (frozenset(_without_sensors(hypothesis)), hinges, index)
         parts = []
         for channel in channels:
-            values = signals[channel.signal]
-            hidden = np.isnan(self.recordings[index][channel.signal].values[:, channel.column])
-            column = np.where(hidden, np.nan, values[:, channel.column])
-            parts.append(block_means(self._elapsed(index, channel.signal), column)[2])
+            key = (*plain, channel.signal, channel.column)
+            unaltered = signals[channel.signal] is dense[channel.signal]
+            if not (unaltered and key in self._parts):
+                values = np.interp(
+                    self._elapsed(index, channel.signal),
+                    signals[channel.signal].time,
+                    signals[channel.signal].values[:, channel.column],
+                )
+                hidden = np.isnan(self.recordings[index][channel.signal].values[:, channel.column])
+                values[hidden] = np.nan
+                part = block_means(self._elapsed(index, channel.signal), values)[2]
+                if not (unaltered and key[0] == frozenset()):
+                    parts.append(part)
+                    continue
+                self._parts[key] = part
+            parts.append(self._parts[key])
         return np.concatenate(parts)
 
     def twin(self, hypothesis: Hypothesis, hinges: int, index: int) -> dict[str, Array]:
@@ -178,41 +194,54 @@ class Campaign:
         Raises:
             EquilibriumError, SimulationError: the hypothesis is none.
         """
-        signals = self._dense_signals(tuple(e for e in hypothesis if not isinstance(e, SignalEffect)), hinges, index)
-        altering = [e for e in hypothesis if isinstance(e, SignalEffect)]
-        signals = apply_sensor_effects(altering, signals, self.machine)
+        signals = self._signals(hypothesis, hinges, index)[1]
         log = self.recordings[index]
-        return {
-            name: sample(signals[name], self._elapsed(index, name)) for name in self._compared(index) if name in log
-        }
+        return {name: sample(signals[name], self._elapsed(index, name)) for name in signals if name in log}
+
+    def _signals(self, hypothesis: Hypothesis, hinges: int, index: int) -> tuple[dict[str, Signal], dict[str, Signal]]:
+        """Densely sampled signals of healthy sensors, and of those of the hypothesis."""
+        dense = self._dense_signals(_without_sensors(hypothesis), hinges, index)
+        altering = [e for e in hypothesis if isinstance(e, SignalEffect)]
+        return dense, apply_sensor_effects(altering, dense, self.machine)
 
     def _dense_signals(self, hypothesis: Hypothesis, hinges: int, index: int) -> dict[str, Signal]:
         key = (frozenset(hypothesis), hinges, index)
         if key in self._dense:
             return self._dense[key]
-        with self._lock:
-            if hinges not in self._booms:
-                self._booms[hinges] = build(self.machine, hinges)
-        plant = with_effects(self._booms[hinges], hypothesis)
+        hypothesis = (*effects_of(self.machine), *hypothesis)
+        plant = self._plant(hypothesis, hinges)
         steps = step_times(plant, self.duration(index))
         reading, force = self._inputs(index, steps)
         angle_errors = [e for e in hypothesis if isinstance(e, AngleEffect)]
         signals = ideal_signals(run(plant, true_angles(angle_errors, reading), force))
         with self._lock:
             self.simulated_s += steps[-1]
-            if not hypothesis or len(self._dense) < KEPT:
+            if key[0] == frozenset() or len(self._dense) < KEPT:
                 self._dense[key] = signals
         return signals
 
+    def _plant(self, hypothesis: Hypothesis, hinges: int) -> Plant:
+        """The compiled model of a hypothesis; the last few are kept, for its other recordings."""
+        key = (frozenset(hypothesis), hinges)
+        with self._compiling:
+            if hinges not in self._booms:
+                self._booms[hinges] = build(self.machine, hinges)
+            if key not in self._plants:
+                while len(self._plants) >= KEPT:
+                    self._plants.pop(next(iter(self._plants)))
+                self._plants[key] = with_effects(self._booms[hinges], hypothesis)
+            plant = self._plants[key]
+        return Plant(plant.boom, plant.model, plant.effects)  # its scratch is its own
+
     def _inputs(self, index: int, steps: Array) -> tuple[Array, Array]:
         """Smooth joint readings and the known load at the steps of the simulation."""
-        key, log = ("inputs", index, len(steps)), self.recordings[index]
-        if key not in self._dense:
+        key, log = (index, len(steps)), self.recordings[index]
+        if key not in self._driven:
             start = log["joint/position"].time[0]
             angles = driving_angles(log, self.levels["joint/position"][0], steps + start)
             force = sample(log["load"], steps + start) if "load" in log else np.zeros((len(steps), 3))
-            self._dense[key] = (angles, force)  # type: ignore[assignment]
-        return self._dense[key]  # type: ignore[return-value]
+            self._driven[key] = (angles, force)
+        return self._driven[key]
 
     def _elapsed(self, index: int, signal: str) -> Array:
         log = self.recordings[index]
@@ -231,6 +260,10 @@ class Campaign:
                 noise = max(float(self.levels[name][column]), _own_noise(values[:, column]) / 1.3)
                 found.append(Channel(index, name, column, group_of(name, log[name], column), time, count, mean, noise))
         return found
+
+
+def _without_sensors(hypothesis: Hypothesis) -> Hypothesis:
+    return tuple(effect for effect in hypothesis if not isinstance(effect, SignalEffect))
 
 
 def group_of(name: str, signal: Signal, column: int) -> str:

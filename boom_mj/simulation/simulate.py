@@ -5,6 +5,7 @@ u = q_ref + qdd_ref / omega^2, so that the boom cannot push it off its path: the
 What the servo exerts beyond accelerating A is the drive torque.
 """
 
+from copy import copy
 from dataclasses import dataclass
 
 import mujoco
@@ -61,7 +62,7 @@ class Trajectory:
 
 def driven_model(plant: Plant) -> mujoco.MjModel:
     """A copy of the plant's model whose joints follow their reference whatever the boom does."""
-    model = plant.boom.spec.copy().compile()
+    model = copy(plant.model)
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_LIMIT | mujoco.mjtDisableBit.mjDSBL_CONTACT
     model.dof_armature[plant.joints] = ARMATURE
     for k in range(JOINTS):

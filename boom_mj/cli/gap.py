@@ -1,0 +1,142 @@
+"""gap: where simulator and machine disagree, which effect causes it, how far the gap shrinks."""
+
+import inspect
+import json
+import sys
+import time
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperCommand
+
+from boom_mj.cli.arguments import find_machine, machine_text, output_path
+from boom_mj.effects import library
+from boom_mj.errors import InputError
+from boom_mj.logs import read_log, whole_file, write_mcap
+from boom_mj.recording import Recording, named_signal
+
+app = typer.Typer(help="Diagnose the gap between simulator and machine.", no_args_is_help=True)
+
+
+class ManyHoldouts(TyperCommand):
+    """`--holdout A B C` means `--holdout A --holdout B --holdout C`."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        spread: list[str] = []
+        within = False
+        for word in args:
+            if word == "--holdout":
+                within = True
+            elif word.startswith("-"):
+                within = False
+                spread.append(word)
+            elif within:
+                spread += ["--holdout", word]
+            else:
+                spread.append(word)
+        return super().parse_args(ctx, spread)
+
+
+@app.command()
+def effects() -> None:
+    """List the effect library: physics, parameters, what each is confused with, which experiment tells."""
+    for kind in library().values():
+        places = ", ".join(f"{key} = {'|'.join(map(str, choices))}" for key, choices in kind.places.items())
+        print(f"{kind.id}{f'  ({places})' if places else ''}")
+        print("    " + (inspect.getdoc(kind) or "").replace("\n", "\n    "))
+        for name, knob in kind.parameters.items():
+            print(f"    - {name}: {knob.unit}, neutral {knob.neutral:g}, from {knob.low:g} to {knob.high:g}")
+        print(f"    confused with: {', '.join(kind.confused_with) or 'nothing known'}; told by: {kind.told_by}\n")
+
+
+@app.command(cls=ManyHoldouts)
+def diagnose(
+    logs: Annotated[list[Path], typer.Argument(metavar="LOGS...", help="Logs to learn from.")],
+    holdout: Annotated[
+        list[Path] | None,
+        typer.Option(metavar="LOGS...", help="Logs to judge by; without any, logs are split in time."),
+    ] = None,
+    machine: Annotated[str | None, typer.Option(help="Machine file or name; the logs' own if left out.")] = None,
+    as_json: Annotated[str | None, typer.Option("--json", metavar="FILE", help="Answer as JSON; - for stdout.")] = None,
+    html: Annotated[Path | None, typer.Option(metavar="FILE", help="Answer as a page with pictures.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", metavar="CORRECTED.toml", help="Machine file with the effects in it.")
+    ] = None,
+    predictions: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Nominal and corrected twin of every log, as MCAP.")
+    ] = None,
+    without: Annotated[list[str] | None, typer.Option(metavar="ID", help="Effect to leave out of the library.")] = None,
+) -> None:
+    """Say where simulator and logs disagree, which effect causes it, and how far the gap shrinks on held-out logs."""
+    from boom_mj.gap import Campaign, document, with_effects_text
+    from boom_mj.gap import diagnose as find
+
+    for path, suffix in ((html, ".html"), (output, ".toml")):
+        if path is not None:
+            output_path(path, suffix)
+    for name in without or ():
+        if name not in library():
+            raise InputError(f"--without {name}: the library holds {', '.join(library())}")
+    paths = [*logs, *(holdout or ())]
+    recordings = [read_log(path) for path in paths]
+    began = time.perf_counter()
+
+    def tell(line: str) -> None:
+        print(f"{time.perf_counter() - began:6.1f} s  {line}", file=sys.stderr)
+
+    name = machine or recordings[0].machine
+    if not name:
+        raise InputError(f"{paths[0]}: the log does not name its machine; say which with --machine")
+    campaign = Campaign(find_machine(name), recordings, len(logs))
+    found = find(campaign, tuple(without or ()), tell)
+    names = [str(path) for path in paths]
+    answer = document(found, names)
+    tell(answer["verdict"])
+    text = json.dumps(answer, indent=1)
+    if as_json not in (None, "-"):
+        with whole_file(Path(str(as_json))) as stream:
+            stream.write(text.encode())
+    if output is not None:
+        with whole_file(output) as stream:
+            stream.write(with_effects_text(machine_text(name), found).encode())
+    if predictions is not None:
+        _write_predictions(found, predictions, paths)
+    if html is not None:
+        from boom_mj.report import write_diagnosis
+
+        write_diagnosis(found, names, html)
+    print(text if as_json == "-" else _summary(answer))
+
+
+def _summary(answer: dict[str, Any]) -> str:
+    lines = [f"{answer['verdict']}: {answer['sentence']}", ""]
+    for effect in answer["effects"]:
+        place = ", ".join(f"{k} {v}" for k, v in effect["location"].items())
+        lines.append(f"  {effect['id']} {place}")
+        for name, p in effect["parameters"].items():
+            interval = " .. ".join("inf" if p[end] is None else f"{p[end]:.4g}" for end in ("low", "high"))
+            lines.append(f"      {name:16} {p['value']:.4g} {p['unit']}   95 %: {interval}")
+    for part, gaps in (("training", answer["gap"]["train"]), ("held out", answer["gap"]["holdout"])):
+        lines.append(f"  gap {part:9} {gaps['before']:7.2f} -> {gaps['after']:.2f}   (floor 1)")
+    for rival in answer["rivals"][:4]:
+        place = ", ".join(f"{k} {v}" for k, v in rival["location"].items())
+        lines.append(f"  not {rival['id']} {place}: {rival['why_not']}")
+    if answer["next_experiment"]:
+        lines.append(f"  next experiment: {answer['next_experiment']}")
+    return "\n".join(lines)
+
+
+def _write_predictions(found: Any, folder: Path, paths: list[Path]) -> None:
+    from boom_mj.gap import zero_offsets
+    from boom_mj.gap.metric import HINGES
+
+    folder.mkdir(parents=True, exist_ok=True)
+    offsets = zero_offsets(found)
+    corrected = (offsets, *(found.best.fit.effects if found.best else ()))
+    for kind, hypothesis in (("nominal", (offsets,)), ("corrected", corrected)):
+        for index, (log, path) in enumerate(zip(found.metric.campaign.recordings, paths)):
+            twin = found.metric.campaign.twin(hypothesis, HINGES, index)
+            signals = {name: named_signal(name, log[name].time, values) for name, values in twin.items()}
+            recording = Recording(log.name, log.machine, f"{kind} twin: {log.description}", signals)
+            write_mcap(recording, folder / f"{path.stem}.{kind}.mcap")

@@ -1,0 +1,182 @@
+"""The answer as one document, and as a machine file with the effects in it."""
+
+from collections.abc import Sequence
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+
+from boom_mj.effects import Effect, make_effect
+from boom_mj.gap.candidate import Candidate
+from boom_mj.gap.diagnose import Diagnosis
+from boom_mj.gap.judge import Judged, gap
+from boom_mj.gap.metric import FINE, HINGES, OFFSET_STEP
+from boom_mj.gap.where import in_words, locate, looks
+
+SURE = 1.96  # deviations of a 95 % interval
+SHOWN = 0.002  # smallest share of a cell that is listed by itself
+
+
+def document(found: Diagnosis, names: Sequence[str]) -> dict[str, Any]:
+    """The answer in plain data: verdict, effects, rivals, ties, gaps, where, what is left."""
+    campaign, best = found.metric.campaign, found.best
+    cells = locate(campaign, found.nominal)
+    after = best.fit.residual if best else found.nominal
+    gaps = {
+        part: {"before": gap(found.metric, found.nominal, rows), "after": gap(found.metric, after, rows), "floor": 1.0}
+        for part, rows in (("train", campaign.train), ("holdout", campaign.held_out))
+    }
+    listed = [vars(cell) for cell in cells if cell.share >= SHOWN]
+    rest = 1 - sum(cell["share"] for cell in listed)
+    answer = {
+        "verdict": found.verdict,
+        "sentence": sentence(found),
+        "effects": described(found) if best and found.verdict in ("explained", "ambiguous") else [],
+        "suspect": described(found) if best and found.verdict == "unexplained" else [],
+        "rivals": [rival(found, other) for other in found.contest if other is not best][:8],
+        "ties": [[_brief(j.fit.effects) for j in (best, *found.ties)]] if best and found.ties else [],
+        "next_experiment": found.next_experiment,
+        "gap": {
+            **gaps,
+            "closure": found.closure.value,
+            "closure_interval": [found.closure.low, found.closure.high],
+            "fidelity_alone": found.fidelity_alone,
+            "split_in_time": campaign.split_in_time,
+        },
+        "where": [*listed, {"sensor": "all others", "share": rest}],
+        "unexplained": None,
+        "provenance": {
+            "machine": campaign.machine.name,
+            "recordings": {"train": list(names[: campaign.training]), "holdout": list(names[campaign.training :])},
+            "hinges": {"contest": HINGES, "fidelity": FINE},
+            "simulated_s": campaign.simulated_s,
+            "boom_mj": version("boom_mj"),
+            "mujoco": version("mujoco"),
+        },
+    }
+    if found.verdict == "unexplained":
+        left = gaps["holdout"]["after"] ** 2 - 1
+        share = left / max(gaps["holdout"]["before"] ** 2 - 1, 1e-9)
+        remaining = locate(campaign, after)
+        answer["unexplained"] = {
+            "share": float(np.clip(share, 0, 1)),
+            "looks_like": looks(campaign, after),
+            "where": in_words(remaining),
+        }
+    return _plain(answer)
+
+
+def described(found: Diagnosis) -> list[dict[str, Any]]:
+    """The effects of the best explanation with sizes, intervals, and what each closes alone."""
+    assert found.best is not None
+    best = found.best
+    knobs = best.fit.candidate.knobs
+    entries = []
+    for k, effect in enumerate(best.fit.effects):
+        parameters = {}
+        for number, (owner, name, knob) in enumerate(knobs):
+            if owner == k:
+                middle, reach = best.fit.coordinates[number], SURE * best.deviation[number]
+                ends = sorted(knob.value(middle + side * reach) for side in (-1, 1))
+                parameters[name] = {"value": effect.values[name], "low": ends[0], "high": ends[1], "unit": knob.unit}
+        alone = next((j for j in found.contest if j.fit.candidate.places == Candidate((effect,)).places), None)
+        entries.append(
+            {
+                "id": effect.id,
+                "location": effect.location,
+                "parameters": parameters,
+                "closure_alone": _closure(found, alone) if alone else None,
+            }
+        )
+    return entries
+
+
+def rival(found: Diagnosis, other: Judged) -> dict[str, Any]:
+    """A candidate that lost, and why."""
+    why = f"closes {_closure(found, other):.0%} of the held-out gap"
+    if found.best:
+        if other in found.ties:
+            why += ": within the uncertainty of the best"
+        elif set(found.best.fit.candidate.places) < set(other.fit.candidate.places):
+            why += f": no better than {found.best.label} alone"
+        elif other.held_out > found.best.held_out:
+            why += f", {found.best.label} {_closure(found, found.best):.0%}"
+    if other.held_out > 1.1 * other.train:
+        why += (
+            f"; it fits the training data better ({other.train:.2f}) than what it has not seen ({other.held_out:.2f})"
+        )
+    brief = _brief(other.fit.effects)
+    return {**brief[0], "with": brief[1:], "holdout_gap": other.held_out, "why_not": why}
+
+
+def sentence(found: Diagnosis) -> str:
+    """The verdict in words."""
+    campaign = found.metric.campaign
+    before = gap(found.metric, found.nominal, campaign.held_out)
+    if found.verdict == "consistent":
+        return f"No gap beyond noise and model error: {before:.2f} on what was held out, 1 is the floor."
+    where = in_words(locate(campaign, found.nominal))
+    if found.best is None or found.verdict == "unexplained":
+        tried = f"; {found.best.label} would close {found.closure.value:.0%} only" if found.best else ""
+        return f"The gap of {before:.1f} has no explanation in the library{tried}: {where}."
+    cause = " and ".join(_in_words(effect) for effect in found.best.fit.effects)
+    text = f"{cause[0].upper()}{cause[1:]} closes {found.closure.value:.0%} of the held-out gap of {before:.1f}"
+    if found.ties:
+        text += ", and so would " + " or ".join(j.label for j in found.ties)
+        if found.next_experiment:
+            text += f"; {found.next_experiment} would tell them apart"
+    return f"{text}. Without it, {where}."
+
+
+def with_effects_text(machine_text: str, found: Diagnosis) -> str:
+    """A machine file's text with the effects of the best explanation and the joint sensors' zero offsets added."""
+    effects = [zero_offsets(found), *(found.best.fit.effects if found.best else ())]
+    return machine_text.rstrip("\n") + "\n" + "".join(f"\n{_toml(effect)}" for effect in effects)
+
+
+def zero_offsets(found: Diagnosis) -> Effect:
+    """Joint zero offsets that the diagnosis estimated."""
+    metric = found.best.metric if found.best else found.metric
+    raw = metric.white(metric.campaign.measured - _prediction(found) - metric.mean_error)
+    deviations = metric.estimate(raw)[:5] * [t.deviation for t in metric.nuisances[:5]]
+    return make_effect("joint_zero_offset", {f"joint{k + 1}": OFFSET_STEP * d for k, d in enumerate(deviations)})
+
+
+def _prediction(found: Diagnosis) -> np.ndarray:
+    effects = found.best.fit.effects if found.best else ()
+    return found.metric.campaign.predict([effects], HINGES)[0]
+
+
+def _toml(effect: Effect) -> str:
+    lines = ["[[effect]]", f'id = "{effect.id}"']
+    lines += [f"{k} = {v!r}".replace("'", '"') for k, v in effect.location.items()]
+    lines += [f"{k} = {v!r}" for k, v in effect.values.items() if v != effect.parameters[k].neutral]
+    return "\n".join(lines) + "\n"
+
+
+def _in_words(effect: Effect) -> str:
+    place = ", ".join(f"{k} {v}" for k, v in effect.location.items())
+    sizes = ", ".join(
+        f"{name} {effect.values[name]:.4g} {effect.parameters[name].unit}" for name in effect.knobs(effect.location)
+    )
+    return f"{effect.id}{f' at {place}' if place else ''} ({sizes})"
+
+
+def _brief(effects: Sequence[Effect]) -> list[dict[str, Any]]:
+    return [{"id": effect.id, "location": effect.location} for effect in effects]
+
+
+def _closure(found: Diagnosis, judged: Judged) -> float:
+    before = gap(found.metric, found.nominal, found.metric.campaign.held_out)
+    return (before - judged.held_out) / max(before - 1, 1e-9)
+
+
+def _plain(value: Any) -> Any:
+    """Numbers that JSON can hold: infinities and NaN as null."""
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, float | np.floating):
+        return float(value) if np.isfinite(value) else None
+    return value.item() if isinstance(value, np.generic) else value

@@ -1,0 +1,66 @@
+"""A candidate: effects at their places whose free knobs are coordinates of one vector."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from boom_mj.effects import Effect, Parameter, library
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One or more effects to be fitted together, from a start.
+
+    Attributes:
+        effects: at their starting values.
+    """
+
+    effects: tuple[Effect, ...]
+
+    @property
+    def knobs(self) -> tuple[tuple[int, str, Parameter], ...]:
+        """(index of the effect, name of the parameter, parameter) of every coordinate."""
+        return tuple(
+            (k, name, effect.parameters[name])
+            for k, effect in enumerate(self.effects)
+            for name in effect.knobs(effect.location)
+        )
+
+    @property
+    def start(self) -> Array:
+        """Coordinates of the starting values, (p,)."""
+        return np.array([knob.coordinate(self.effects[k].values[name]) for k, name, knob in self.knobs])
+
+    def at(self, coordinates: Array) -> tuple[Effect, ...]:
+        """The effects at given coordinates, (p,)."""
+        values = [dict(effect.values) for effect in self.effects]
+        for (k, name, knob), coordinate in zip(self.knobs, coordinates):
+            values[k][name] = knob.value(float(coordinate))
+        return tuple(type(e)(e.location, **v) for e, v in zip(self.effects, values))
+
+    def bounds(self) -> tuple[Array, Array]:
+        """Smallest and largest coordinates, (p,) each."""
+        ends = [sorted((knob.coordinate(knob.low), knob.coordinate(knob.high))) for *_, knob in self.knobs]
+        return np.array([low for low, _ in ends]), np.array([high for _, high in ends])
+
+    @property
+    def places(self) -> tuple[tuple[str, tuple], ...]:
+        """What and where, without sizes: equal for equal causes."""
+        return tuple(sorted((e.id, tuple(sorted(e.location.items()))) for e in self.effects))
+
+    @property
+    def label(self) -> str:
+        return " + ".join(" ".join([e.id, *(f"{k} {v}" for k, v in e.location.items())]) for e in self.effects)
+
+
+def everywhere(without: Sequence[str] = ()) -> list[tuple[type[Effect], dict]]:
+    """Every effect of the library at every place, but for the nuisances and the ids left out."""
+    return [
+        (kind, place)
+        for kind in library().values()
+        if kind.id not in ("joint_zero_offset", *without)
+        for place in kind.locations()
+    ]

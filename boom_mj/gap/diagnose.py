@@ -1,0 +1,190 @@
+"""The diagnosis: fidelity and nuisances, screening, contest, combinations, and judgement on held-out data."""
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from boom_mj.effects import SignalEffect
+from boom_mj.gap.campaign import Campaign
+from boom_mj.gap.candidate import Candidate, everywhere
+from boom_mj.gap.fit import fit
+from boom_mj.gap.judge import Closure, Judged, closure, gap, judge, worse_by
+from boom_mj.gap.metric import COARSE, Metric, around, make_metric
+from boom_mj.gap.next_experiment import next_experiment
+from boom_mj.gap.screen import Screened, Signatures, spectral_lines
+
+Array = np.ndarray
+FINALISTS = 6  # singles that are fitted
+SECONDS = 2  # partners tried for each of the best singles
+LEADERS = 2  # of which combinations are tried, and which are fitted again
+SMALLEST = 0.10  # fall of the held-out mean square that counts
+SECOND = 0.01  # ... for a second effect besides, in units of what the first took away
+HALF = 0.5  # share of the remaining gap that a second effect must close
+EXPLAINED = 0.75  # closure from which the verdict is "explained"
+QUIET = 1.35  # held-out gap up to which nothing needs explaining
+CLOSE = 1.5  # times the best held-out gap, up to which a rival is fitted again
+TIE = 0.03  # closure within which rivals tie
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What was found.
+
+    Attributes:
+        verdict: consistent, explained, ambiguous or unexplained.
+        best: the explanation, None where nothing helps.
+        contest: all judged candidates, best first.
+        ties: rivals that the data cannot tell from the best.
+        nominal: whitened residual of the nominal model with its nuisances, (N,).
+        closure: of the best on held-out entries.
+        fidelity_alone: share of the coarse model's held-out gap that finer hinges close by themselves.
+        next_experiment: of the catalogue, that would separate the ties.
+        metric: in which all this is said.
+    """
+
+    verdict: str
+    best: Judged | None
+    contest: tuple[Judged, ...]
+    ties: tuple[Judged, ...]
+    screened: tuple[Screened, ...]
+    nominal: Array
+    closure: Closure
+    fidelity_alone: float
+    next_experiment: str | None
+    metric: Metric
+
+
+def diagnose(
+    campaign: Campaign, without: Sequence[str] = (), tell: Callable[[str], None] = lambda line: None
+) -> Diagnosis:
+    """Find what a campaign's machine has that the nominal model lacks.
+
+    Args:
+        without: ids of effects that are withheld from the library.
+        tell: hears one line per stage.
+    """
+    with threadpool_limits(1):  # simulations have the cores
+        return _diagnose(campaign, without, tell)
+
+
+def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], None]) -> Diagnosis:
+    tell("fidelity and nuisances")
+    metric = make_metric(campaign)
+    raw = metric.residual(metric.base)
+    nominal = metric.clean(raw)
+    before = gap(metric, nominal, campaign.held_out)
+    tell(f"nominal gap {gap(metric, nominal, campaign.train):.2f} in training, {before:.2f} held out; screening")
+    signatures = Signatures(metric, everywhere(without), spectral_lines(metric, nominal))
+    screened = signatures.rank(raw)
+    tell("contest of " + ", ".join(s.candidate.label for s in screened[:FINALISTS]))
+    contest = _fit_all(metric, [s.candidate for s in shortlist(screened)])
+    if contest and before > QUIET:
+        tell(f"nuisances around {contest[0].label}")
+        contest = _polished(contest)
+        if contest[0].held_out > QUIET:
+            contest = _combine(metric, signatures, contest, tell)
+    best = choose(contest, before)
+    share = closure(metric, nominal, best.fit.residual if best else nominal, campaign.held_out)
+    verdict = "consistent" if before <= QUIET else "unexplained"
+    ties: tuple[Judged, ...] = ()
+    if best and share.value >= EXPLAINED:
+        ties = tuple(j for j in contest if j is not best and _ties(metric, best, j, before))
+        verdict = "ambiguous" if ties else "explained"
+    elif best and before <= QUIET and before**2 - best.held_out**2 < 2 * SMALLEST:
+        best = None
+    following = None
+    if best and ties:
+        tell("the next experiment")
+        explanations = [j.fit.effects for j in (best, *ties)]
+        following = next_experiment(campaign.machine, explanations, [log.name for log in campaign.recordings])
+    coarse = metric.clean(metric.white(campaign.measured - campaign.predict([()], COARSE)[0]))
+    fidelity = closure(metric, coarse, nominal, campaign.held_out).value
+    return Diagnosis(verdict, best, tuple(contest), ties, tuple(screened), nominal, share, fidelity, following, metric)
+
+
+def shortlist(screened: Sequence[Screened]) -> list[Screened]:
+    """The best few, and the best of each kind that explains a share worth a rollout."""
+    chosen = list(screened[:FINALISTS])
+    kinds = {s.candidate.effects[0].id for s in chosen}
+    for s in screened[FINALISTS:]:
+        if s.candidate.effects[0].id not in kinds and s.share > 0.3 * screened[0].share and len(chosen) < FINALISTS + 3:
+            chosen.append(s)
+            kinds.add(s.candidate.effects[0].id)
+    return chosen
+
+
+def _fit_all(metric: Metric, candidates: Sequence[Candidate]) -> list[Judged]:
+    with ThreadPoolExecutor(max(1, len(candidates))) as threads:
+        judged = list(threads.map(lambda c: judge(metric, fit(metric, c)), candidates))
+    return sorted(judged, key=lambda j: j.held_out)
+
+
+def _combine(
+    metric: Metric, signatures: Signatures, contest: list[Judged], tell: Callable[[str], None]
+) -> list[Judged]:
+    """Forward: partners for the leaders, by what screening says of their residuals."""
+    pairs: dict[tuple, Candidate] = {}
+    for leader in contest[:LEADERS]:
+        residual, jacobian = leader.fit.residual, leader.fit.jacobian
+        partners = [s for s in signatures.rank(residual, jacobian) if _compatible(leader, s.candidate)]
+        for partner in partners[:SECONDS]:
+            pair = Candidate((*leader.fit.effects, *partner.candidate.effects))
+            pairs.setdefault(pair.places, pair)
+    tell("combinations: " + ", ".join(p.label for p in pairs.values()))
+    return sorted([*contest, *_polished(_fit_all(metric, list(pairs.values())))], key=lambda j: j.held_out)
+
+
+def _polished(contest: Sequence[Judged]) -> list[Judged]:
+    """The best fitted again, and those that come close to it."""
+    close = [j for j in contest if j.held_out < CLOSE * contest[0].held_out][:LEADERS]
+    return sorted([*map(_polish, close), *contest[len(close) :]], key=lambda j: j.held_out)
+
+
+def _polish(judged: Judged) -> Judged:
+    """Fit again with nuisances and model error taken where the first fit has led."""
+    effects = judged.fit.effects
+    if all(isinstance(effect, SignalEffect) for effect in effects):
+        return judged
+    metric = around(judged.metric, effects)
+    again = judge(metric, fit(metric, Candidate(effects)))
+    return min(judged, again, key=lambda j: j.train)
+
+
+def _compatible(leader: Judged, partner: Candidate) -> bool:
+    return not set(partner.places) & set(leader.fit.candidate.places)
+
+
+def choose(contest: Sequence[Judged], before: float) -> Judged | None:
+    """The best single cause, or the best pair where both of its members are worth it."""
+    useful = [j for j in contest if before**2 - j.held_out**2 > SMALLEST]
+    singles = [j for j in useful if len(j.fit.effects) == 1]
+    pairs = [j for j in useful if len(j.fit.effects) == 2]
+    best = min(singles, key=lambda j: j.held_out, default=None)
+    for pair in sorted(pairs, key=lambda j: j.held_out):
+        members = [j for j in contest if set(j.fit.candidate.places) < set(pair.fit.candidate.places)]
+        alone = min([before, *(j.held_out for j in members), *([best.held_out] if best else [])])
+        gain = alone**2 - pair.held_out**2
+        enough = gain > SMALLEST + SECOND * (before**2 - alone**2)
+        if enough and alone - pair.held_out > HALF * (alone - 1):
+            return pair
+    return best
+
+
+def _ties(metric: Metric, best: Judged, other: Judged, before: float) -> bool:
+    """Whether a rival does as well within its uncertainty; supersets of the best do not count."""
+    if set(best.fit.candidate.places) <= set(other.fit.candidate.places):
+        return False
+    if _nested(best, other) or len(other.fit.effects) > len(best.fit.effects):
+        return False
+    worse, error = worse_by(metric, best.fit.residual, other.fit.residual, metric.campaign.held_out)
+    return (other.held_out - best.held_out) < TIE * (before - 1) and worse < 2 * error
+
+
+def _nested(best: Judged, other: Judged) -> bool:
+    """Whether the rival is the same effect with more freedom."""
+    return [e.id for e in best.fit.effects] == [e.id for e in other.fit.effects] and len(other.fit.coordinates) > len(
+        best.fit.coordinates
+    )

@@ -1,0 +1,103 @@
+"""Judging a fit on entries that it has not seen, and how sure of it one can be.
+
+The gap is the root mean square of the whitened residual: 1 is the floor of noise and model error. Samples are
+correlated, so that every interval comes from windows of WINDOW seconds that are resampled or summed whole.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from boom_mj.gap.fit import Fit
+from boom_mj.gap.metric import HINGES, Metric
+
+Array = np.ndarray
+WINDOW = 5.0  # s
+DRAWS = 400
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A fit and its gaps.
+
+    Attributes:
+        fit: with its residual known everywhere.
+        metric: in which it was fitted.
+        train, held_out: gaps, root mean square of the whitened residual.
+        deviation: standard deviations of the coordinates, (p,).
+    """
+
+    fit: Fit
+    metric: Metric
+    train: float
+    held_out: float
+    deviation: Array
+
+    @property
+    def label(self) -> str:
+        return self.fit.candidate.label
+
+
+def gap(metric: Metric, residual: Array, rows: Array) -> float:
+    """Root mean square over the given entries; NaN where there are none."""
+    return float(np.sqrt(np.mean(residual[rows] ** 2))) if rows.any() else float("nan")
+
+
+def judge(metric: Metric, found: Fit) -> Judged:
+    """Predict what was held out with what was learnt in training."""
+    campaign = metric.campaign
+    (prediction,) = campaign.predict([found.effects], HINGES)
+    whole = replace(found, residual=metric.clean(metric.residual(prediction)))
+    held_out = gap(metric, whole.residual, campaign.held_out)
+    return Judged(whole, metric, gap(metric, whole.residual, campaign.train), held_out, deviations(metric, whole))
+
+
+def deviations(metric: Metric, found: Fit) -> Array:
+    """Standard deviations of the coordinates, robust to correlation within windows: H^-1 (sum g g^T) H^-1."""
+    train = metric.campaign.train
+    clean = metric.clean(found.jacobian)[train]
+    curvature = clean.T @ clean
+    score = clean * found.residual[train][:, None]
+    windows = window_numbers(metric)[train]
+    sums = np.stack([np.bincount(windows, column) for column in score.T], axis=1)
+    inverse = np.linalg.pinv(curvature)
+    return np.sqrt(np.diag(inverse @ (sums.T @ sums) @ inverse))
+
+
+def window_numbers(metric: Metric) -> Array:
+    """Number of the window of every entry, across recordings, (N,)."""
+    campaign = metric.campaign
+    per_recording = int(max(campaign.time) // WINDOW) + 1
+    return (campaign.recording_of * per_recording + campaign.time // WINDOW).astype(int)
+
+
+@dataclass(frozen=True)
+class Closure:
+    """How much of the held-out gap above the floor went away, with a 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+def closure(metric: Metric, before: Array, after: Array, rows: Array) -> Closure:
+    """(gap before - gap after) / (gap before - 1), and its bootstrap over windows."""
+    windows = window_numbers(metric)[rows]
+    names, windows = np.unique(windows, return_inverse=True)
+    size = np.bincount(windows)
+    sums = [np.bincount(windows, r[rows] ** 2) for r in (before, after)]
+    rng = np.random.default_rng(0)
+    draws = np.vstack([np.arange(len(names)), rng.integers(len(names), size=(DRAWS, len(names)))])
+    old, new = (np.sqrt(s[draws].sum(axis=1) / size[draws].sum(axis=1)) for s in sums)
+    share = (old - new) / np.maximum(old - 1, 1e-9)
+    low, high = np.quantile(share[1:], [0.025, 0.975])
+    return Closure(float(share[0]), float(low), float(high))
+
+
+def worse_by(metric: Metric, better: Array, worse: Array, rows: Array) -> tuple[float, float]:
+    """Mean square of one residual less that of another, and the standard error of that difference over windows."""
+    windows = window_numbers(metric)[rows]
+    difference = (worse[rows] ** 2) - (better[rows] ** 2)
+    sums = np.bincount(windows, difference)
+    sums = sums[np.bincount(windows) > 0]
+    return float(difference.mean()), float(np.sqrt(np.sum((sums - sums.mean()) ** 2)) / len(difference))

@@ -1,0 +1,135 @@
+"""What counts as a difference: noise, the model's own error, and nuisances that no one calls a cause.
+
+Residuals are whitened by v = noise^2 + spread^2. The spread is what refining the model's hinges still changes; the mean
+of that change is taken out by Richardson extrapolation. Nuisances are linear columns b_i with prior deviations s_i:
+joint zero offsets, and tolerances of stiffness and damping as every healthy machine has them. They are estimated on
+the training entries and removed everywhere, so that with B = [b_i s_i] whitened
+
+    <x, y> = x^T y - x^T B (1 + B^T B)^-1 B^T y        (sums over training entries)
+
+is the inner product in which hypotheses are screened and fitted.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+from scipy.ndimage import maximum_filter1d
+
+from boom_mj.effects import Effect, make_effect
+from boom_mj.gap.campaign import Campaign
+
+Array = np.ndarray
+COARSE, HINGES, FINE = 2, 4, 6  # hinges: of screening and nuisances, of the contest, of the fidelity check
+JOINTS = 5
+ORDER = 2  # of convergence in the number of hinges
+LEFT = 0.5  # share of the extrapolated change that may be wrong
+REACH = 5  # blocks over which the spread is carried, for phase
+ZERO_OFFSET, OFFSET_STEP = np.radians(0.6), 0.005  # rad: prior of a joint's zero offset, step of its secant
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """A nuisance: the hypothesis whose effect is its column, and its prior deviation in units of that hypothesis."""
+
+    name: str
+    hypothesis: tuple[Effect, ...]
+    deviation: float
+
+
+def tolerances() -> tuple[Tolerance, ...]:
+    """What differs between healthy machines, all of it small."""
+    joints = [f"joint{k}" for k in range(1, 6)]
+    found = [
+        Tolerance(
+            f"zero offset {name}", (make_effect("joint_zero_offset", {name: OFFSET_STEP}),), ZERO_OFFSET / OFFSET_STEP
+        )
+        for name in joints
+    ]
+    for axis, percent in (("v", 0.5), ("w", 0.5), ("torsion", 1.0)):
+        softer = [make_effect("link_stiffness", {"link": k, "axis": axis, "factor": 0.99}) for k in (2, 3, 4, 5)]
+        found.append(Tolerance(f"stiffness {axis}", tuple(softer), percent))
+    damping = (make_effect("structural_damping", {"factor": 1.1}),)
+    return (*found, Tolerance("damping", damping, 0.5))
+
+
+@dataclass(frozen=True)
+class Metric:
+    """Whitening and nuisances of a campaign.
+
+    Attributes:
+        campaign: what is measured.
+        base: nominal prediction of the contest's model, (N,).
+        mean_error: what finer hinges would add to it, (N,).
+        weight: 1 / sqrt(v), 0 where nothing was measured, (N,).
+        basis: whitened nuisance columns times their prior deviations, (N, m).
+        nuisances: what they are.
+    """
+
+    campaign: Campaign
+    base: Array
+    mean_error: Array
+    weight: Array
+    basis: Array
+    nuisances: tuple[Tolerance, ...]
+    factor: tuple
+
+    def white(self, vector: Array) -> Array:
+        """Whitened, zero where nothing was measured; infinite where the simulation failed."""
+        seen = self.weight > 0
+        return np.where(
+            seen, np.where(np.isfinite(vector), vector, 1e3 / np.where(seen, self.weight, 1)) * self.weight, 0.0
+        )
+
+    def estimate(self, white: Array) -> Array:
+        """Nuisances, in units of their prior deviation, that whitened training entries ask for."""
+        train = self.campaign.train
+        return cho_solve(self.factor, self.basis[train].T @ white[train])
+
+    def clean(self, white: Array) -> Array:
+        """Whitened vectors (N,) or (N, k) without what nuisances explain on the training entries."""
+        return white - self.basis @ self.estimate(white)
+
+    def residual(self, prediction: Array) -> Array:
+        """Whitened measured - (prediction + mean error), (N,)."""
+        return self.white(self.campaign.measured - prediction - self.mean_error)
+
+
+def make_metric(campaign: Campaign) -> Metric:
+    """Simulate the healthy machine at several fidelities and with every tolerance."""
+    nuisances = tolerances()
+    coarse, *shifted = campaign.predict([(), *(t.hypothesis for t in nuisances)], COARSE)
+    return _weigh(campaign, (), [(s - coarse) * t.deviation for s, t in zip(shifted, nuisances)])
+
+
+def around(metric: Metric, effects: tuple[Effect, ...]) -> Metric:
+    """The metric of a machine that has effects: a heavier boom swings slower, and so do its nuisances and model error.
+
+    Zero offsets keep their columns: they hardly depend on how the boom swings.
+    """
+    campaign = metric.campaign
+    offsets, dynamic = metric.nuisances[:JOINTS], metric.nuisances[JOINTS:]
+    base, *shifted = campaign.predict([effects, *((*effects, *t.hypothesis) for t in dynamic)], HINGES)
+    raw = metric.basis[:, : len(offsets)] / np.where(metric.weight > 0, metric.weight, 1)[:, None]
+    return _weigh(campaign, effects, [*raw.T, *((s - base) * t.deviation for s, t in zip(shifted, dynamic))])
+
+
+def _weigh(campaign: Campaign, effects: tuple[Effect, ...], columns: Sequence[Array]) -> Metric:
+    fine, base = (campaign.predict([effects], n)[0] for n in (FINE, HINGES))
+    refinement = (fine - base) / (1 - (HINGES / FINE) ** ORDER)
+    variance = campaign.noise**2 + (LEFT * _carried(campaign, np.abs(refinement))) ** 2
+    weight = np.where(campaign.used, 1 / np.sqrt(np.where(campaign.used, variance, 1.0)), 0.0)
+    basis = np.stack([np.nan_to_num(column) * weight for column in columns], axis=1)
+    train = campaign.train
+    factor = cho_factor(np.eye(len(columns)) + basis[train].T @ basis[train])
+    return Metric(campaign, base, refinement, weight, basis, tolerances(), factor)
+
+
+def _carried(campaign: Campaign, size: Array) -> Array:
+    """Each channel's largest value within REACH blocks."""
+    out = np.empty_like(size)
+    for number in range(len(campaign.channels)):
+        part = campaign.stretch(number)
+        out[part] = maximum_filter1d(np.nan_to_num(size[part]), 2 * REACH + 1, mode="nearest")
+    return out

@@ -1,0 +1,114 @@
+"""Screening: which candidates are worth a fit, by the sensitivity of the simulated recordings to them.
+
+For the probes of a candidate the columns J = f(probe) - f(0) are simulated with few hinges; in the inner product of the
+metric the best weights are w = (J^T J + 1 / W^2)^-1 J^T r, and they explain the share J^T r . w / <r, r> of the
+training misfit. All candidates go in one batch.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from boom_mj.effects import AngleEffect, Effect
+from boom_mj.gap.candidate import Candidate
+from boom_mj.gap.metric import COARSE, OFFSET_STEP, Metric
+
+Array = np.ndarray
+WIDEST = 10.0  # prior deviation of a probe's weight
+LINES = 3  # spectral lines offered to periodic effects
+
+
+@dataclass(frozen=True)
+class Screened:
+    """A candidate at the values that screening suggests, and the share of the training misfit that it may explain."""
+
+    candidate: Candidate
+    share: float
+
+
+class Signatures:
+    """Sensitivity columns of every candidate, simulated once and used for every residual."""
+
+    def __init__(self, metric: Metric, kinds: Sequence[tuple[type[Effect], dict]], lines: Sequence[float]):
+        self.metric = metric
+        self.rows = [(kind, place, group) for kind, place in kinds for group in kind.probes(place, lines) if group]
+        campaign = metric.campaign
+        probes = [kind(place, **probe) for kind, place, group in self.rows for probe in group]
+        model = [probe for probe in probes if not isinstance(probe, AngleEffect)]
+        base, *found = campaign.predict([(), *((probe,) for probe in model)], COARSE, training_only=True)
+        columns = {probe: metric.white(f - base) for probe, f in zip(model, found)}
+        for probe in probes:
+            if isinstance(probe, AngleEffect):
+                columns[probe] = self._kinematic(probe)
+        self.columns = [
+            np.stack([columns[kind(place, **probe)] for probe in group], axis=1).astype(np.float32)
+            for kind, place, group in self.rows
+        ]
+
+    def _kinematic(self, probe: AngleEffect) -> Array:
+        """An angle error moves the boom as a zero offset of its size at that moment would."""
+        campaign, column = self.metric.campaign, np.zeros(len(self.metric.base))
+        for index, log in enumerate(campaign.recordings):
+            joints, rows = log["joint/position"], campaign.recording_of == index
+            errors = probe.error(joints.values)
+            for joint in np.flatnonzero(np.abs(errors).max(axis=0)):
+                at = np.interp(campaign.time[rows] + joints.time[0], joints.time, errors[:, joint])
+                deviation = self.metric.nuisances[joint].deviation
+                column[rows] += self.metric.basis[rows, joint] / deviation * at / OFFSET_STEP
+        return column
+
+    def rank(self, residual: Array, given: Array | None = None) -> list[Screened]:
+        """Candidates by the share of a whitened residual that they may explain, best first, each at its best probe.
+
+        Args:
+            given: whitened columns (N, k) of effects that are already accepted, free to change.
+        """
+        metric, train = self.metric, self.metric.campaign.train
+        left = metric.clean(residual)[train]
+        extra = np.zeros((len(left), 0)) if given is None else _orthonormal(metric.clean(given)[train])
+        left = left - extra @ (extra.T @ left)
+        best: dict[tuple, Screened] = {}
+        for (kind, place, group), column in zip(self.rows, self.columns):
+            clean = metric.clean(column.astype(float))[train]
+            clean -= extra @ (extra.T @ clean)
+            slope = clean.T @ left
+            weights = np.linalg.solve(clean.T @ clean + np.eye(len(group)) / WIDEST**2, slope)
+            candidate = Candidate((kind(place, **_kept(kind, kind.blend(group, weights))),))
+            # one-sided bounds may forbid what the weights ask for
+            share = float(slope @ weights / (left @ left)) if _allowed(kind, group, weights) else 0.0
+            if candidate.places not in best or best[candidate.places].share < share:
+                best[candidate.places] = Screened(candidate, share)
+        return sorted(best.values(), key=lambda s: -s.share)
+
+
+def spectral_lines(metric: Metric, residual: Array, count: int = LINES) -> list[float]:
+    """Frequencies (Hz) that stand out of the whitened accelerations at the tip in every training recording."""
+    campaign, total = metric.campaign, None
+    grid = np.arange(0.1, 3.0, 0.005)
+    for number, channel in enumerate(campaign.channels):
+        if channel.signal == "imu/link5/specific_force" and channel.recording < campaign.training:
+            part = residual[campaign.stretch(number)]
+            part = part - part.mean()
+            phase = np.exp(-2j * np.pi * grid[:, None] * channel.time[None, :])
+            power = np.abs(phase @ (part * np.hanning(len(part)))) ** 2 / (part @ part + 1)
+            total = power if total is None else total + power
+    if total is None:
+        return []
+    peaks = np.flatnonzero((total[1:-1] > total[:-2]) & (total[1:-1] >= total[2:])) + 1
+    return [float(grid[k]) for k in peaks[np.argsort(-total[peaks])][:count]]
+
+
+def _orthonormal(columns: Array) -> Array:
+    return np.linalg.qr(columns)[0]
+
+
+def _kept(kind: type[Effect], values: dict[str, float]) -> dict[str, float]:
+    return {n: float(np.clip(v, kind.parameters[n].low, kind.parameters[n].high)) for n, v in values.items()}
+
+
+def _allowed(kind: type[Effect], group: Sequence[dict[str, float]], weights: Array) -> bool:
+    values = kind.blend(group, weights)
+    return any(
+        v != kind.parameters[n].neutral and abs(kind.parameters[n].coordinate(v)) > 1e-6 for n, v in values.items()
+    )
