@@ -58,7 +58,7 @@ def locate(campaign: Campaign, residual: Array) -> tuple[Cell, ...]:
                 count[(*place, band, phase)] += float(inside.sum())
     total = max(sum(power.values()), 1e-300)
     cells = [
-        Cell(**dict(zip(AXES, key)), gap=float(np.sqrt(p / max(count[key], 1))), share=p / total)  # type: ignore[arg-type]
+        Cell(**dict(zip(AXES, key)), gap=float(np.sqrt(p / max(count[key], 1))), share=p / total)
         for key, p in power.items()
     ]
     return tuple(sorted(cells, key=lambda cell: -cell.share))
