@@ -122,7 +122,7 @@ def stages(machine: Machine) -> list[tuple[str, float]]:
     return [
         ("Python", python),
         ("imports", imports - python),
-        ("reading 82 000 messages", reading),
+        ("reading 126 000 messages", reading),
         ("building the model", building),
         ("judging the log", judging),
         ("smoothing", smoothing),
