@@ -7,8 +7,10 @@ training misfit. All candidates go in one batch.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
+from scipy.linalg import cho_solve
 
 from boom_mj.effects import AngleEffect, Effect
 from boom_mj.gap.candidate import Candidate
@@ -41,10 +43,14 @@ class Signatures:
         for probe in probes:
             if isinstance(probe, AngleEffect):
                 columns[probe] = self._kinematic(probe)
-        self.columns = [
-            np.stack([columns[kind(place, **probe)] for probe in group], axis=1).astype(np.float32)
-            for kind, place, group in self.rows
-        ]
+        train = campaign.train
+        raw = np.stack([columns[probe][train] for probe in probes], axis=1).astype(np.float32)
+        basis = metric.basis[train].astype(np.float32)
+        # columns less their nuisances, (training entries, probes): what x of <x, y> is for every residual
+        self.columns = raw - basis @ cho_solve(metric.factor, basis.T @ raw).astype(np.float32)
+        ends = np.cumsum([0, *(len(group) for _, _, group in self.rows)])
+        self.stretches = [slice(start, stop) for start, stop in pairwise(ends)]
+        self.squares = [raw[:, part].T @ self.columns[:, part] for part in self.stretches]
 
     def _kinematic(self, probe: AngleEffect) -> Array:
         """An angle error moves the boom as a zero offset of its size at that moment would."""
@@ -66,17 +72,19 @@ class Signatures:
         """
         metric, train = self.metric, self.metric.campaign.train
         left = metric.clean(residual)[train]
-        extra = np.zeros((len(left), 0)) if given is None else _orthonormal(metric.clean(given)[train])
-        left = left - extra @ (extra.T @ left)
+        across = np.zeros((self.columns.shape[1], 0))
+        if given is not None:
+            taken = np.linalg.qr(metric.clean(given)[train])[0]
+            left = left - taken @ (taken.T @ left)
+            across = self.columns.T @ taken.astype(np.float32)  # (probes, k)
+        slopes, whole = self.columns.T @ left.astype(np.float32), float(left @ left)
         best: dict[tuple, Screened] = {}
-        for (kind, place, group), column in zip(self.rows, self.columns):
-            clean = metric.clean(column.astype(float))[train]
-            clean -= extra @ (extra.T @ clean)
-            slope = clean.T @ left
-            weights = np.linalg.solve(clean.T @ clean + np.eye(len(group)) / WIDEST**2, slope)
-            candidate = Candidate((kind(place, **_kept(kind, kind.blend(group, weights))),))
-            # one-sided bounds may forbid what the weights ask for
-            share = float(slope @ weights / (left @ left)) if _allowed(kind, group, weights) else 0.0
+        for (kind, place, group), part, square in zip(self.rows, self.stretches, self.squares):
+            curvature = square - across[part] @ across[part].T + np.eye(len(group)) / WIDEST**2
+            weights = np.linalg.solve(curvature.astype(float), slopes[part].astype(float))
+            values = kind.blend(group, weights)
+            candidate = Candidate((kind(place, **values),))
+            share = float(slopes[part] @ weights / whole) if _acts(kind, values) else 0.0
             if candidate.places not in best or best[candidate.places].share < share:
                 best[candidate.places] = Screened(candidate, share)
         return sorted(best.values(), key=lambda s: -s.share)
@@ -99,16 +107,7 @@ def spectral_lines(metric: Metric, residual: Array, count: int = LINES) -> list[
     return [float(grid[k]) for k in peaks[np.argsort(-total[peaks])][:count]]
 
 
-def _orthonormal(columns: Array) -> Array:
-    return np.linalg.qr(columns)[0]
-
-
-def _kept(kind: type[Effect], values: dict[str, float]) -> dict[str, float]:
-    return {n: float(np.clip(v, kind.parameters[n].low, kind.parameters[n].high)) for n, v in values.items()}
-
-
-def _allowed(kind: type[Effect], group: Sequence[dict[str, float]], weights: Array) -> bool:
-    values = kind.blend(group, weights)
-    return any(
-        v != kind.parameters[n].neutral and abs(kind.parameters[n].coordinate(v)) > 1e-6 for n, v in values.items()
-    )
+def _acts(kind: type[Effect], values: dict[str, float]) -> bool:
+    """Whether any of the values is off neutral: one-sided bounds may forbid what the weights ask for."""
+    knobs = kind.parameters
+    return any(v != knobs[name].neutral and abs(knobs[name].coordinate(v)) > 1e-6 for name, v in values.items())

@@ -119,27 +119,27 @@ def run(plant: Plant, angles: Array, tip_force: Array) -> Trajectory:
         batch.plastic[0] = plant.scratch.plastic
     batch.qvel[0] = 0
     batch.qvel[0, plant.joints] = speed[0]
-    first_speed = batch.qvel[0].copy()
-    record = batch.rollout(len(angles), control[None], record=("qpos", "qvel", "qacc", "sensordata", "actuator_force"))
+    # recorded states lie after each step, all that derives from them before it
+    qpos, qvel = np.empty((1, len(angles) + 1, model.nq)), np.empty((1, len(angles) + 1, model.nv))
+    qpos[0, 0], qvel[0, 0] = start, batch.qvel[0]
+    states = {"qpos": qpos[:, 1:], "qvel": qvel[:, 1:]}
+    record = batch.rollout(
+        len(angles), control[None], record=(*states, "qacc", "sensordata", "actuator_force"), out=states
+    )
     warned = batch.warning[0]
-    last = record["qpos"][0, -1]
-    if not np.all(np.isfinite(last)) or warned.any():
-        finite = np.all(np.isfinite(record["qpos"][0]), axis=1) & (np.abs(record["qpos"][0]).max(axis=1) < 1e3)
+    if not np.all(np.isfinite(qpos[0, -1])) or warned.any():
+        finite = np.all(np.isfinite(qpos[0]), axis=1) & (np.abs(qpos[0]).max(axis=1) < 1e3)
         when = step * (len(finite) if finite.all() else int(np.argmin(finite)))
         raise SimulationError(f"the simulation of {plant.machine.name} left the numbers at about t = {when:.3f} s")
 
-    # recorded states lie after each step, all that derives from them before it
-    qpos = np.vstack([start, record["qpos"][0, :-1]])
-    late = record["qvel"][0]
-    qvel = (np.vstack([first_speed, late[:-1]]) + late) / 2
     torque = record["actuator_force"][0][:, drives] - ARMATURE * record["qacc"][0][:, plant.joints]
     return Trajectory(
         plant=plant,
         time=step * np.arange(len(angles)),
-        joints=qpos[:, plant.joints],
-        ritz=qpos @ plant.ritz.T,
-        qpos=qpos,
-        qvel=qvel,
+        joints=qpos[0, :-1, plant.joints].T,
+        ritz=qpos[0, :-1] @ plant.ritz.T,
+        qpos=qpos[0, :-1],
+        qvel=(qvel[0, :-1] + qvel[0, 1:]) / 2,
         joint_torque=torque,
         tip_force=np.asarray(tip_force),
         sensordata=_centre_gyros(model, record["sensordata"][0]),
@@ -157,8 +157,7 @@ def _pushes(plant: Plant, time: Array, joints: Array) -> dict[str, Array]:
 
 
 def _centre_gyros(model: mujoco.MjModel, data: Array) -> Array:
-    """Angular rates come from velocities half a step old: average them with the next."""
-    data = data.copy()
+    """Angular rates come from velocities half a step old: average them with the next, in place."""
     for k in np.flatnonzero(model.sensor_type == mujoco.mjtSensor.mjSENS_GYRO):
         rate = slice(model.sensor_adr[k], model.sensor_adr[k] + 3)
         data[:-1, rate] = (data[:-1, rate] + data[1:, rate]) / 2
