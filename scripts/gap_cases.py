@@ -1,4 +1,4 @@
-"""Diagnose every case of a folder (CASE/train/*.mcap, CASE/holdout/*.mcap, perhaps CASE/truth.json), one table row each.
+"""Diagnose every case of a folder (CASE/train, CASE/holdout, perhaps CASE/truth.json), one table row each.
 
 python scripts/gap_cases.py CASES -o TABLE.md [--answers ANSWERS.json] [--work DIR]
 

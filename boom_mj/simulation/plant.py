@@ -72,7 +72,8 @@ class Plant:
         if self.model.nplastic:  # what can slip has slipped into rest
             mujoco.mj_fwdPosition(self.model, self.scratch)
             self.scratch.plastic[:] = relaxed(self.model, self.scratch.ten_length)
-        mujoco.mj_forward(self.model, self.scratch)
+        mujoco.mj_fwdPosition(self.model, self.scratch)
+        mujoco.mj_fwdVelocity(self.model, self.scratch)
         return self.scratch
 
     def mass_matrix(self, qpos: Array) -> Array:
