@@ -6,16 +6,16 @@ from typing import Any
 
 import typer
 
-from boom_mj.cli import gap, generate, logs, replay, simulate, validate, view
+from boom_mj.cli import gap, generate, logs, render, replay, simulate, track, validate, view
 from boom_mj.errors import BoomError, InputError, LogWarning
 
 app = typer.Typer(
-    help="Flexible large manipulators in MuJoCo: generate the model, simulate it, replay logs, check it.",
+    help="Flexible large manipulators in MuJoCo: generate the model, simulate it, replay logs, check it, film it.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (generate, simulate, replay, validate, view):
+for command in (generate, simulate, replay, validate, view, render, track):
     app.command(command.__name__.rpartition(".")[2])(command.command)
 app.add_typer(logs.app, name="logs")
 app.add_typer(gap.app, name="gap")

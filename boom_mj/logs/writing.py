@@ -1,11 +1,11 @@
 """Recording -> MCAP file of ROS 2 messages, written whole or not at all; equal recordings give equal bytes."""
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 import numpy as np
 from mcap.writer import CompressionType, Writer
@@ -26,6 +26,7 @@ def write_mcap(
     variance: Mapping[str, float] | None = None,
     beside: Mapping[str, Recording] | None = None,
     scene: Scene | None = None,
+    also: Iterable[tuple[int, str, Any]] = (),
 ) -> None:
     """Write a recording as a log; times are rounded to nanoseconds.
 
@@ -35,6 +36,7 @@ def write_mcap(
         variance: noise variance by IMU signal name, the same on all axes, for the covariances; 0 otherwise.
         beside: further recordings under topics with a prefix, such as {"/measured": log}; reading leaves them aside.
         scene: what a viewer shows moving, as /tf and /scene.
+        also: further messages, such as pictures: stamp in ns, topic, message; taken one by one as they are written.
 
     Raises:
         LogError: a signal that no topic carries, signals of one topic with different times, a time or a value
@@ -44,7 +46,7 @@ def write_mcap(
     parts = [_Part("", recording, variance), *(_Part(prefix, r, {}) for prefix, r in (beside or {}).items())]
     columns = [column for part in parts for column in part.columns()]
     with whole_file(Path(path)) as stream:
-        _write(recording, columns, scene, stream)
+        _write(recording, columns, scene, also, stream)
 
 
 @contextmanager
@@ -120,18 +122,30 @@ class _Part:
         return found
 
 
-def _write(recording: Recording, columns: list[_Column], scene: Scene | None, stream: IO[bytes]) -> None:
+def _write(
+    recording: Recording,
+    columns: list[_Column],
+    scene: Scene | None,
+    also: Iterable[tuple[int, str, Any]],
+    stream: IO[bytes],
+) -> None:
     writer = Writer(stream, compression=CompressionType.ZSTD)
     writer.start(profile="ros2", library="boom_mj")
     labels = {"name": recording.name, "machine": recording.machine, "description": recording.description}
     writer.add_metadata(METADATA, labels)
 
     types = {column.name: column.topic.kind.ros_type for column in columns} | (SCENE_TYPES if scene else {})
-    schemas = {}
-    for ros_type in dict.fromkeys(types.values()):
-        definition, _ = typestore().generate_msgdef(ros_type, ros_version=2)
-        schemas[ros_type] = writer.register_schema(ros_type, "ros2msg", definition.encode())
-    channels = {name: writer.register_channel(name, "cdr", schemas[ros_type]) for name, ros_type in types.items()}
+    schemas: dict[str, int] = {}
+    channels: dict[str, int] = {}
+
+    def register(ros_types: Mapping[str, str]) -> None:
+        for ros_type in dict.fromkeys(ros_types.values()):
+            if ros_type not in schemas:
+                definition, _ = typestore().generate_msgdef(ros_type, ros_version=2)
+                schemas[ros_type] = writer.register_schema(ros_type, "ros2msg", definition.encode())
+        channels.update({name: writer.register_channel(name, "cdr", schemas[kind]) for name, kind in ros_types.items()})
+
+    register(types)
 
     when = np.concatenate([column.stamps for column in columns])  # (N,) over all messages, ns
     which = np.repeat(np.arange(len(columns)), [column.stamps.size for column in columns])
@@ -141,4 +155,9 @@ def _write(recording: Recording, columns: list[_Column], scene: Scene | None, st
         writer.add_message(channels[column.name], stamp, column.message(i), stamp, i)
     for i, (stamp, name, message) in enumerate(scene_messages(scene) if scene else ()):
         writer.add_message(channels[name], stamp, bytes(typestore().serialize_cdr(message, types[name])), stamp, i)
+    for i, (stamp, name, message) in enumerate(also):
+        if name not in channels:
+            register({name: message.__msgtype__})
+        data = bytes(typestore().serialize_cdr(message, message.__msgtype__))
+        writer.add_message(channels[name], stamp, data, stamp, i)
     writer.finish()

@@ -1,0 +1,48 @@
+"""How long work is going: a bar with an estimate on a terminal, a line per stage elsewhere; all on stderr."""
+
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
+
+from boom_mj.cameras.render import Report
+
+
+@contextmanager
+def progress() -> Iterator[Report]:
+    """Something to tell the stage, and how much of how much of it is done."""
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield _lines()
+        return
+    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+    with Progress(*columns, console=console) as bar:
+        tasks: dict[str, TaskID] = {}
+
+        def report(stage: str, done: int, total: int) -> None:
+            if stage not in tasks:
+                tasks[stage] = bar.add_task(stage, total=total)
+            bar.update(tasks[stage], completed=done)
+
+        yield report
+
+
+def _lines() -> Report:
+    """One line when a stage is done, and one with an estimate soon after it began."""
+    began: dict[str, tuple[float, int]] = {}
+    estimated: set[str] = set()
+
+    def report(stage: str, done: int, total: int) -> None:
+        now = time.monotonic()
+        start, first = began.setdefault(stage, (now, done))
+        if done == total:
+            print(f"{stage}: {done} in {now - start:.0f} s", file=sys.stderr, flush=True)
+        elif done > first and stage not in estimated:
+            estimated.add(stage)
+            left = (now - start) * (total - done) / (done - first)
+            print(f"{stage}: {done} of {total}, about {left:.0f} s left", file=sys.stderr, flush=True)
+
+    return report
