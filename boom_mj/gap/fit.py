@@ -26,6 +26,7 @@ class Fit:
         effects: at the best coordinates.
         residual: whitened and cleaned of nuisances; entries held out are filled by `judge`, (N,).
         jacobian: whitened d prediction / d coordinate on the training entries, zero elsewhere, (N, p).
+        free: nuisances within their limits, (m,) of bool.
         cost: half the sum of squares over the training entries.
     """
 
@@ -34,6 +35,7 @@ class Fit:
     effects: tuple[Effect, ...]
     residual: Array
     jacobian: Array
+    free: Array
     cost: float
 
 
@@ -48,7 +50,9 @@ def fit(metric: Metric, candidate: Candidate, on_step: Callable[[], None] = lamb
         return [np.where(train, metric.residual(p), 0.0) for p in predictions]
 
     def cost_of(residual: Array, at: Array) -> float:
-        return 0.5 * float(residual[train] @ metric.clean(residual)[train]) + 0.5 * float(at @ at) / PRIOR**2
+        estimate = metric.estimate(residual)
+        left = (residual - metric.basis @ estimate)[train]
+        return 0.5 * float(left @ left + estimate @ estimate + at @ at / PRIOR**2)
 
     def secants(at: Array, residual: Array) -> Array:
         steps = np.where(at + STEP <= high, STEP, -STEP)
@@ -58,9 +62,10 @@ def fit(metric: Metric, candidate: Candidate, on_step: Callable[[], None] = lamb
     (residual,) = residuals([theta])
     cost, jacobian, fresh, damping = cost_of(residual, theta), secants(theta, residual), True, 1e-3
     for _ in range(ITERATIONS):
-        clean = metric.clean(jacobian)[train]
-        slope = clean.T @ residual[train] - theta / PRIOR**2
-        square = jacobian[train].T @ clean + np.eye(len(theta)) / PRIOR**2
+        estimate = metric.estimate(residual)
+        slope = jacobian[train].T @ (residual - metric.basis @ estimate)[train] - theta / PRIOR**2
+        felt = metric.project(jacobian, metric.free(estimate))[train]
+        square = jacobian[train].T @ felt + np.eye(len(theta)) / PRIOR**2
         step = np.linalg.solve(square + damping * np.diag(np.diag(square)), slope)
         new = np.clip(theta + np.clip(step, -10, 10), low, high)
         if np.max(np.abs(new - theta)) < 1e-4:
@@ -85,4 +90,5 @@ def fit(metric: Metric, candidate: Candidate, on_step: Callable[[], None] = lamb
                 break
         else:
             jacobian, fresh = secants(theta, residual), True
-    return Fit(candidate, theta, candidate.at(theta), metric.clean(residual), jacobian, cost)
+    free = metric.free(metric.estimate(residual))
+    return Fit(candidate, theta, candidate.at(theta), metric.clean(residual), jacobian, free, cost)

@@ -55,7 +55,7 @@ def judge(metric: Metric, found: Fit) -> Judged:
 def deviations(metric: Metric, found: Fit) -> Array:
     """Standard deviations of the coordinates, robust to correlation within windows: H^-1 (sum g g^T) H^-1."""
     train = metric.campaign.train
-    clean = metric.clean(found.jacobian)[train]
+    clean = metric.project(found.jacobian, found.free)[train]
     curvature = clean.T @ clean
     score = clean * found.residual[train][:, None]
     windows = window_numbers(metric)[train]

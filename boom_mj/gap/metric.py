@@ -7,15 +7,17 @@ the training entries and removed everywhere, so that with B = [b_i s_i] whitened
 
     <x, y> = x^T y - x^T B (1 + B^T B)^-1 B^T y        (sums over training entries)
 
-is the inner product in which hypotheses are screened and fitted.
+is the inner product in which hypotheses are screened and fitted. A nuisance never exceeds a few prior deviations: one
+that would is held there and leaves B.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import cholesky, solve_triangular
 from scipy.ndimage import maximum_filter1d
+from scipy.optimize import lsq_linear
 
 from boom_mj.effects import Effect, make_effect
 from boom_mj.gap.campaign import Campaign
@@ -23,6 +25,7 @@ from boom_mj.gap.campaign import Campaign
 Array = np.ndarray
 COARSE, HINGES, FINE = 2, 4, 6  # hinges: of screening and nuisances, of the contest, of the fidelity check
 JOINTS = 5
+LIMIT = 2.5  # prior deviations: what goes further is no tolerance but a cause
 ORDER = 2  # of convergence in the number of hinges
 LEFT = 0.5  # share of the extrapolated change that may be wrong
 REACH = 5  # blocks over which the spread is carried, for phase
@@ -65,6 +68,7 @@ class Metric:
         weight: 1 / sqrt(v), 0 where nothing was measured, (N,).
         basis: whitened nuisance columns times their prior deviations, (N, m).
         nuisances: what they are.
+        curvature: 1 + B^T B over the training entries, (m, m).
     """
 
     campaign: Campaign
@@ -73,7 +77,7 @@ class Metric:
     weight: Array
     basis: Array
     nuisances: tuple[Tolerance, ...]
-    factor: tuple
+    curvature: Array
 
     def white(self, vector: Array) -> Array:
         """Whitened, zero where nothing was measured; infinite where the simulation failed."""
@@ -83,13 +87,24 @@ class Metric:
         )
 
     def estimate(self, white: Array) -> Array:
-        """Nuisances, in units of their prior deviation, that whitened training entries ask for."""
-        train = self.campaign.train
-        return cho_solve(self.factor, self.basis[train].T @ white[train])
+        """Nuisances that whitened training entries ask for, in units of their prior deviation, within +-LIMIT, (m,)."""
+        slope = self.basis[self.campaign.train].T @ white[self.campaign.train]
+        root = cholesky(self.curvature)  # upper: |root x - root^-T slope|^2 is what x minimises
+        return lsq_linear(root, solve_triangular(root, slope, trans="T"), (-LIMIT, LIMIT)).x
+
+    def free(self, estimate: Array) -> Array:
+        """Nuisances that are not at their limit, (m,) of bool."""
+        return np.abs(estimate) < LIMIT * (1 - 1e-6)
 
     def clean(self, white: Array) -> Array:
-        """Whitened vectors (N,) or (N, k) without what nuisances explain on the training entries."""
+        """A whitened residual (N,) without what nuisances explain of its training entries."""
         return white - self.basis @ self.estimate(white)
+
+    def project(self, columns: Array, free: Array) -> Array:
+        """Whitened columns (N, k) as they are felt while the free nuisances follow."""
+        train, basis = self.campaign.train, self.basis[:, free]
+        inner = self.curvature[np.ix_(free, free)]
+        return columns - basis @ np.linalg.solve(inner, basis[train].T @ columns[train])
 
     def residual(self, prediction: Array) -> Array:
         """Whitened measured - (prediction + mean error), (N,)."""
@@ -122,8 +137,8 @@ def _weigh(campaign: Campaign, effects: tuple[Effect, ...], columns: Sequence[Ar
     weight = np.where(campaign.used, 1 / np.sqrt(np.where(campaign.used, variance, 1.0)), 0.0)
     basis = np.stack([np.nan_to_num(column) * weight for column in columns], axis=1)
     train = campaign.train
-    factor = cho_factor(np.eye(len(columns)) + basis[train].T @ basis[train])
-    return Metric(campaign, base, refinement, weight, basis, tolerances(), factor)
+    curvature = np.eye(len(columns)) + basis[train].T @ basis[train]
+    return Metric(campaign, base, refinement, weight, basis, tolerances(), curvature)
 
 
 def _carried(campaign: Campaign, size: Array) -> Array:

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.linalg import cho_solve
 
 from boom_mj.effects import AngleEffect, Effect
 from boom_mj.gap.candidate import Candidate
@@ -44,13 +43,9 @@ class Signatures:
             if isinstance(probe, AngleEffect):
                 columns[probe] = self._kinematic(probe)
         train = campaign.train
-        raw = np.stack([columns[probe][train] for probe in probes], axis=1).astype(np.float32)
-        basis = metric.basis[train].astype(np.float32)
-        # columns less their nuisances, (training entries, probes): what x of <x, y> is for every residual
-        self.columns = raw - basis @ cho_solve(metric.factor, basis.T @ raw).astype(np.float32)
+        self.columns = np.stack([columns[probe][train] for probe in probes], axis=1).astype(np.float32)  # (training, c)
         ends = np.cumsum([0, *(len(group) for _, _, group in self.rows)])
         self.stretches = [slice(start, stop) for start, stop in pairwise(ends)]
-        self.squares = [raw[:, part].T @ self.columns[:, part] for part in self.stretches]
 
     def _kinematic(self, probe: AngleEffect) -> Array:
         """An angle error moves the boom as a zero offset of its size at that moment would."""
@@ -71,16 +66,20 @@ class Signatures:
             given: whitened columns (N, k) of effects that are already accepted, free to change.
         """
         metric, train = self.metric, self.metric.campaign.train
-        left = metric.clean(residual)[train]
-        across = np.zeros((self.columns.shape[1], 0))
+        estimate = metric.estimate(residual)
+        left = (residual - metric.basis @ estimate)[train]
+        # what follows freely: nuisances within their limits, and effects that are already accepted
+        follow, inner = metric.basis[train][:, metric.free(estimate)], np.eye(int(metric.free(estimate).sum()))
         if given is not None:
-            taken = np.linalg.qr(metric.clean(given)[train])[0]
-            left = left - taken @ (taken.T @ left)
-            across = self.columns.T @ taken.astype(np.float32)  # (probes, k)
+            follow = np.hstack([follow, given[train]])
+            inner = np.pad(inner, (0, given.shape[1])) + 1e-9 * np.eye(follow.shape[1])
+        across = follow.astype(np.float32).T @ self.columns  # (k, c)
+        following = np.linalg.solve(inner + follow.T @ follow, across)
         slopes, whole = self.columns.T @ left.astype(np.float32), float(left @ left)
         best: dict[tuple, Screened] = {}
-        for (kind, place, group), part, square in zip(self.rows, self.stretches, self.squares):
-            curvature = square - across[part] @ across[part].T + np.eye(len(group)) / WIDEST**2
+        for (kind, place, group), part in zip(self.rows, self.stretches):
+            square = self.columns[:, part].T @ self.columns[:, part] - across[:, part].T @ following[:, part]
+            curvature = square + np.eye(len(group)) / WIDEST**2
             weights = np.linalg.solve(curvature.astype(float), slopes[part].astype(float))
             values = kind.blend(group, weights)
             candidate = Candidate((kind(place, **values),))

@@ -1,0 +1,17 @@
+"""The blind check: cases whose effect is sealed, their diagnosis by processes that cannot know it, and the score.
+
+`making` draws and simulates on a plant that is not the diagnosing model, `running` diagnoses, `scoring` opens the seal.
+"""
+
+from boom_mj.gap.blind.drawing import MIX as MIX
+from boom_mj.gap.blind.making import SHORT as SHORT
+from boom_mj.gap.blind.making import SUITE as SUITE
+from boom_mj.gap.blind.making import Suite as Suite
+from boom_mj.gap.blind.making import make_cases as make_cases
+from boom_mj.gap.blind.page import confusion_svg as confusion_svg
+from boom_mj.gap.blind.page import html_page as html_page
+from boom_mj.gap.blind.page import markdown_page as markdown_page
+from boom_mj.gap.blind.running import answer_cases as answer_cases
+from boom_mj.gap.blind.running import waiting_cases as waiting_cases
+from boom_mj.gap.blind.scoring import Score as Score
+from boom_mj.gap.blind.scoring import score as score

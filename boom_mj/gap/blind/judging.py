@@ -1,0 +1,141 @@
+"""Holding one answer against what was sealed, and saying why a miss is one.
+
+single      right id: exactly the true effect is named; right place: at its location too
+none        right: the verdict is "consistent"; anything else is a false alarm
+pair        right: exactly the two true effects are named
+withheld,   right: "unexplained", or a tie that holds a physical twin, which is an effect that the truth is known to
+stranger    be confused with; a confident wrong name is a miss, and so is "consistent"
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from boom_mj.effects import library
+from boom_mj.gap.blind.strangers import STRANGERS
+
+ANGLES = ("phase", "direction")  # parameters that repeat after a turn
+NO_ANSWER: Mapping[str, Any] = {"verdict": "no answer", "sentence": "", "effects": [], "ties": [], "gap": {}}
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One case, judged.
+
+    Attributes:
+        case: its name.
+        kind: single, none, pair, withheld or stranger.
+        truth, answer: in a word or two, as rows and columns of the confusion matrix.
+        right: whether the answer is right.
+        placed: whether its places are right too.
+        tied: whether the answer is a tie.
+        held: whether the truth is in the answer at all, be it as one of a tie.
+        covered: per parameter of rightly placed effects, whether its interval holds the truth.
+        closure: of the held-out gap; NaN without an answer.
+        visibility: of the true effects to an oracle, in deviations of the noise.
+        wall_s: time that the diagnosis took.
+        reason: why a miss is one.
+        details: where it lies, by the answer.
+    """
+
+    case: str
+    kind: str
+    truth: str
+    answer: str
+    right: bool
+    placed: bool
+    tied: bool
+    held: bool
+    covered: tuple[bool, ...]
+    closure: float
+    visibility: float
+    wall_s: float
+    reason: str
+    details: str
+
+
+def judge_case(case: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -> Outcome:
+    """Hold an answer against what was sealed."""
+    true, named = truth["effects"], answer["effects"]
+    ids, found = sorted(e["id"] for e in true), sorted(e["id"] for e in named)
+    tied = {e["id"] for tie in answer["ties"] for e in tie}
+    right = placed = held = False
+    if truth["class"] == "none":
+        right = placed = held = answer["verdict"] == "consistent"
+    elif truth["class"] in ("single", "pair"):
+        right = found == ids
+        placed = right and all(_matching(effect, named) for effect in true)
+        held = set(ids) <= {*found, *tied}
+    else:
+        right = placed = held = answer["verdict"] == "unexplained" or bool(tied & twins(ids[0]))
+    pairs = [(effect, _matching(effect, named)) for effect in true] if right else []
+    covered = [holds(effect["parameters"], other["parameters"]) for effect, other in pairs if other]
+    return Outcome(
+        case=case,
+        kind=truth["class"],
+        truth=" + ".join(ids) or "none",
+        answer=" + ".join(found) if found else str(answer["verdict"]),
+        right=right,
+        placed=placed,
+        tied=bool(tied),
+        held=held,
+        covered=tuple(inside for one in covered for inside in one),
+        closure=_number(answer["gap"].get("closure")),
+        visibility=truth["visibility"],
+        wall_s=_number(answer.get("wall_s")),
+        reason="" if right and placed else _reason(truth, answer, right),
+        details=(answer.get("unexplained") or {}).get("where") or answer["sentence"],
+    )
+
+
+def twins(name: str) -> set[str]:
+    """Ids of the library that an effect is known to be confused with, from either side."""
+    own = {words.split()[0] for words in {**library(), **STRANGERS}[name].confused_with}
+    others = {k for k, kind in library().items() if name in {words.split()[0] for words in kind.confused_with}}
+    return (own & set(library()) | others) - {name}
+
+
+def holds(true: Mapping[str, float], named: Mapping[str, Mapping[str, Any]]) -> list[bool]:
+    """Whether each interval holds the true value; an end that is null is infinite."""
+    inside = []
+    for name, interval in named.items():
+        if name in true:
+            low = -np.inf if interval["low"] is None else interval["low"]
+            high = np.inf if interval["high"] is None else interval["high"]
+            turns = np.round((interval["value"] - true[name]) / (2 * np.pi)) if name in ANGLES else 0.0
+            inside.append(bool(low <= true[name] + 2 * np.pi * turns <= high))
+    return inside
+
+
+def _number(value: float | None) -> float:
+    return np.nan if value is None else float(value)
+
+
+def _matching(effect: Mapping[str, Any], named: Sequence[Mapping[str, Any]]) -> Mapping[str, Any] | None:
+    same = [e for e in named if e["id"] == effect["id"] and e["location"] == effect["location"]]
+    return same[0] if same else None
+
+
+def _reason(truth: Mapping[str, Any], answer: Mapping[str, Any], right: bool) -> str:
+    true, named = (" + ".join(_in_words(e) for e in effects) for effects in (truth["effects"], answer["effects"]))
+    if answer["verdict"] == "no answer":
+        return "there is no answer"
+    if right:
+        return f"right cause at the wrong place: {named} instead of {true}"
+    if truth["class"] == "none":
+        return f"false alarm: {named or answer['verdict']}"
+    if answer["verdict"] == "consistent":
+        return f"not seen: {true}, whose visibility is {truth['visibility']:.1f}"
+    if answer["verdict"] == "unexplained":
+        suspects = " + ".join(_in_words(e) for e in answer.get("suspect", [])) or "nothing"
+        return f"not explained: {true}; suspected was {suspects}"
+    tied = {e["id"] for tie in answer["ties"] for e in tie}
+    beside = "; the truth is in the tie" if {e["id"] for e in truth["effects"]} & tied else ""
+    return f"taken for {named}: {true}{beside}"
+
+
+def _in_words(effect: Mapping[str, Any]) -> str:
+    place = " ".join(f"{key} {value}" for key, value in effect["location"].items())
+    return f"{effect['id']} {place}".strip()

@@ -1,0 +1,178 @@
+"""Making a campaign of blind cases: logs in one folder, answers in a sealed file elsewhere.
+
+    DIR/machine.toml            the nominal machine
+    DIR/seal.sha256             hash of the sealed answers
+    DIR/CASE/withhold.json      the effect that the diagnosis of this case does without
+    DIR/CASE/train/*.mcap       recordings to learn from
+    DIR/CASE/holdout/*.mcap     recordings to judge by
+
+Names, order and times of files say nothing: cases are named by hashes of the secret, all times are STAMP, and a log
+holds what its sensors said and nothing else (reading and writing it again gives the same bytes).
+"""
+
+import json
+import os
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
+from functools import cache
+from hashlib import sha256
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from boom_mj.effects import Effect
+from boom_mj.errors import EquilibriumError, InputError, SimulationError
+from boom_mj.gap.blind.drawing import Order, draw, orders
+from boom_mj.gap.blind.truth import nuisances, true_plant
+from boom_mj.gap.blind.visibility import Eye
+from boom_mj.logs import whole_file, write_mcap
+from boom_mj.machine import parse_machine
+from boom_mj.recording import Recording
+from boom_mj.sensors import record
+from boom_mj.simulation import CATALOGUE, run_experiment
+
+SECRET = 16  # bytes that a seed file must have, or else it can be guessed from its hash
+STAMP = 946684800  # s, the year 2000: modification time of everything in a campaign
+TRIES = 5
+
+
+@dataclass(frozen=True)
+class Suite:
+    """Experiments of the catalogue by name."""
+
+    train: tuple[str, ...]
+    holdout: tuple[str, ...]
+
+
+SUITE = Suite(
+    ("release_bow_vertical", "release_stretched_horizontal", "release_stretched_vertical", "slew_t", "sweep"),
+    ("fold_in", "mixed", "release_bow_horizontal"),
+)
+SHORT = Suite(("release_bow_vertical", "slew_t"), ("release_bow_horizontal",))
+
+
+@dataclass(frozen=True)
+class _Case:
+    """What a process needs to make a case."""
+
+    name: str
+    entropy: tuple[int, ...]
+    order: Order
+    suite: Suite
+    machine: str
+    folder: str
+
+
+def make_cases(
+    cases: int, secret: bytes, machine: str, suite: Suite, mix: dict[str, float], folder: Path, seal: Path, jobs: int
+) -> Iterator[int]:
+    """Make a campaign; yields how many cases are done. Cases that an earlier call has finished stay as they are.
+
+    Args:
+        secret: the only source of chance: the same secret gives the same logs and the same seal.
+        machine: text of the nominal machine's file.
+        mix: class -> share.
+        seal: file for the answers, outside the folder.
+
+    Raises:
+        InputError: the seal would lie among the cases, the secret is too short, the campaign is sealed already.
+    """
+    if folder.resolve() in seal.resolve().parents:
+        raise InputError(f"{seal}: the seal must lie outside {folder}")
+    if len(secret) < SECRET:
+        raise InputError(f"the seed file holds {len(secret)} bytes; at least {SECRET} are needed to keep the secret")
+    if (folder / "seal.sha256").exists():
+        raise InputError(f"{folder} holds a sealed campaign already")
+    digest = sha256(b"blind cases" + secret).digest()  # not the hash that may be published
+    entropy = tuple(int(word) for word in np.frombuffer(digest, "<u4"))
+    drawn = orders(cases, mix, np.random.default_rng(entropy))
+    todo = [
+        _Case(_hash(digest, "case", k)[:12], (*entropy, k), order, suite, machine, str(folder))
+        for k, order in enumerate(drawn)
+    ]
+    parts = seal.with_suffix(".parts")
+    parts.mkdir(parents=True, exist_ok=True)
+    folder.mkdir(parents=True, exist_ok=True)
+    waiting = [case for case in todo if not (parts / f"{case.name}.json").exists()]
+    yield len(todo) - len(waiting)
+    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+        futures = {pool.submit(_make, case): case for case in waiting}
+        for number, future in enumerate(as_completed(futures), len(todo) - len(waiting) + 1):
+            _write_json(parts / f"{futures[future].name}.json", future.result())
+            yield number
+    answers = {case.name: json.loads((parts / f"{case.name}.json").read_text()) for case in todo}
+    salt = {"salt": _hash(digest, "salt", 0), "seed_sha256": sha256(secret).hexdigest()}
+    _write_json(seal, {**salt, "cases": dict(sorted(answers.items()))})
+    with whole_file(folder / "machine.toml") as stream:
+        stream.write(machine.encode())
+    with whole_file(folder / "seal.sha256") as stream:
+        stream.write(f"{sha256(seal.read_bytes()).hexdigest()}\n".encode())
+    _same_times(folder)
+    for part in parts.iterdir():
+        part.unlink()
+    parts.rmdir()
+
+
+def _hash(digest: bytes, purpose: str, number: int) -> str:
+    return sha256(digest + f"{purpose} {number}".encode()).hexdigest()
+
+
+def _write_json(path: Path, content: Any) -> None:
+    with whole_file(path) as stream:
+        stream.write((json.dumps(content, indent=1) + "\n").encode())
+
+
+def _make(case: _Case) -> dict[str, Any]:
+    """Simulate and write a case; what its seal says."""
+    rng = np.random.default_rng(case.entropy)
+    for _ in range(TRIES):
+        try:
+            sealed, recordings = _drawn(case, rng)
+            break
+        except (EquilibriumError, SimulationError):
+            continue  # the coarse model stood it, the fine one does not
+    else:
+        raise InputError(f"no {case.order.kind} case of {', '.join(case.order.ids)} can be simulated")
+    folder = Path(case.folder) / case.name
+    for part, names in (("train", case.suite.train), ("holdout", case.suite.holdout)):
+        (folder / part).mkdir(parents=True, exist_ok=True)
+        for name in names:
+            write_mcap(recordings[name], folder / part / f"{name}.mcap")
+    _write_json(folder / "withhold.json", {"without": [case.order.without]})
+    return sealed
+
+
+def _drawn(case: _Case, rng: np.random.Generator) -> tuple[dict[str, Any], dict[str, Recording]]:
+    machine, names = parse_machine(case.machine), (*case.suite.train, *case.suite.holdout)
+    eye = _eye(case.machine, names)
+    own, drawn = nuisances(machine, rng), [draw(name, rng, eye.visibility) for name in case.order.ids]
+    effects = [effect for effect, _ in drawn]
+    plant = true_plant(machine, (*own, *effects))
+    recordings = {}
+    for name in names:
+        recordings[name] = record(run_experiment(plant, CATALOGUE[name]), CATALOGUE[name], rng)
+    sealed = {
+        "class": case.order.kind,
+        "effects": [{"id": e.id, "location": e.location, "parameters": values} for e, values in drawn],
+        "visibility": eye.visibility(effects) if effects else 0.0,
+        "nuisances": [_brief(effect) for effect in own],
+    }
+    return sealed, recordings
+
+
+@cache
+def _eye(machine: str, names: tuple[str, ...]) -> Eye:
+    return Eye(parse_machine(machine), [CATALOGUE[name] for name in names])
+
+
+def _brief(effect: Effect) -> dict[str, Any]:
+    return {"id": effect.id, "location": effect.location, "parameters": effect.values}
+
+
+def _same_times(folder: Path) -> None:
+    """Set all times within a folder to STAMP, in the order of names."""
+    for path in (*sorted(folder.rglob("*"), reverse=True), folder):
+        os.utime(path, (STAMP, STAMP))

@@ -1,0 +1,96 @@
+"""Diagnosing blind cases by processes, of this machine or of a Dask cluster.
+
+A process gets the path of one case and the text of the nominal machine; answers come back to the caller, who writes
+each of them whole. What was interrupted goes on where it was; what a dead worker had begun is begun again by another.
+"""
+
+import json
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from functools import partial
+from hashlib import sha256
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any, Protocol
+
+from boom_mj.errors import InputError
+from boom_mj.gap.answer import document
+from boom_mj.gap.blind.confining import confined_to
+from boom_mj.gap.campaign import Campaign
+from boom_mj.gap.diagnose import diagnose
+from boom_mj.logs import read_log, whole_file
+from boom_mj.machine import parse_machine
+
+
+class Pending(Protocol):
+    """A result on its way, of a pool or of a cluster."""
+
+    def result(self) -> Any: ...
+
+
+def waiting_cases(folder: Path, answers: Path) -> tuple[list[Path], int]:
+    """Cases without an answer, in the order of their names, and how many there are in all.
+
+    Raises:
+        InputError: no campaign, or one whose seal lies within reach.
+    """
+    if not (folder / "seal.sha256").is_file():
+        raise InputError(f"{folder} holds no sealed campaign: there is no seal.sha256")
+    published = (folder / "seal.sha256").read_text().strip()
+    for path in sorted(folder.rglob("*")):
+        if path.is_file() and sha256(path.read_bytes()).hexdigest() == published:
+            raise InputError(f"{path} is the seal: a campaign must not be run with its answers inside")
+    cases = sorted(path.parent for path in folder.glob("*/withhold.json"))
+    return [case for case in cases if not (answers / f"{case.name}.json").exists()], len(cases)
+
+
+def answer_cases(
+    cases: Sequence[Path], machine: str, answers: Path, jobs: int = 1, cluster: str | None = None
+) -> Iterator[tuple[Path, Exception | None]]:
+    """Diagnose cases and write CASE.json for each; yields every case as it ends, with what went wrong.
+
+    Args:
+        machine: text of the nominal machine's file.
+        answers: folder for the answers.
+        cluster: address of a Dask scheduler whose workers see the cases under the same paths.
+    """
+    answers.mkdir(parents=True, exist_ok=True)
+    for case, pending in spread(partial(solve, machine=machine), cases, jobs, cluster):
+        try:
+            with whole_file(answers / f"{case.name}.json") as stream:
+                stream.write(pending.result().encode())
+        except Exception as error:  # one bad case must not end the campaign
+            yield case, error
+        else:
+            yield case, None
+
+
+def spread(
+    work: Callable[[Path], str], items: Sequence[Path], jobs: int, cluster: str | None
+) -> Iterator[tuple[Path, Pending]]:
+    """Work on items in processes; yields each with its result as it ends."""
+    if cluster is None:
+        with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+            futures = {pool.submit(work, item): item for item in items}
+            yield from ((futures[future], future) for future in as_completed(futures))
+        return
+    try:
+        from dask import distributed
+    except ImportError as error:
+        raise InputError("--cluster needs the optional packages: pip install 'boom_mj[cluster]'") from error
+    with distributed.Client(cluster) as client:
+        remote = {client.submit(work, item, pure=False): item for item in items}
+        yield from ((remote[future], future) for future in distributed.as_completed(remote))
+
+
+def solve(case: Path, machine: str) -> str:
+    """The answer to one case as JSON, by a process that can open nothing but the case."""
+    began = time.perf_counter()
+    with confined_to(case):
+        without = tuple(json.loads((case / "withhold.json").read_text())["without"])
+        train, held_out = (sorted((case / part).glob("*.mcap")) for part in ("train", "holdout"))
+        paths = (*train, *held_out)
+        campaign = Campaign(parse_machine(machine), [read_log(path) for path in paths], len(train), threads=1)
+        found = document(diagnose(campaign, without), [path.stem for path in paths])
+    return json.dumps({**found, "without": without, "wall_s": time.perf_counter() - began}, indent=1)

@@ -1,0 +1,39 @@
+"""The machine of a case: one individual, simulated otherwise than the diagnosis does."""
+
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+
+from boom_mj.effects import Effect, effects_of, make_effect
+from boom_mj.machine import Machine
+from boom_mj.mjcf import build
+from boom_mj.simulation import Plant
+from boom_mj.simulation.plant import with_effects
+
+HINGES = 8  # the diagnosis has 2, 4 and 6
+INTEGRATOR = mujoco.mjtIntegrator.mjINT_EULER  # the diagnosis has implicitfast
+STEP = 0.4  # of the diagnosis' own
+ZERO_OFFSET = np.radians(0.3)
+STIFFNESS, MASS, DAMPING = 0.003, 0.003, 0.05  # tolerances of an individual
+
+
+def nuisances(machine: Machine, rng: np.random.Generator) -> tuple[Effect, ...]:
+    """What no two machines share: zero offsets of the joints, tolerances of stiffness, mass, damping; all uniform."""
+    found = [make_effect("joint_zero_offset", {f"joint{k}": rng.uniform(-1, 1) * ZERO_OFFSET for k in range(1, 6)})]
+    for link in range(2, 2 + len(machine.links)):
+        softer, heavier = rng.uniform(-1, 1, 2)
+        found += [
+            make_effect("link_stiffness", {"link": link, "axis": axis, "factor": 1 + STIFFNESS * softer})
+            for axis in ("v", "w", "torsion")
+        ]
+        found.append(make_effect("link_mass", {"link": link, "factor": 1 + MASS * heavier}))
+    return (*found, make_effect("structural_damping", {"factor": 1 + DAMPING * rng.uniform(-1, 1)}))
+
+
+def true_plant(machine: Machine, effects: Sequence[Effect]) -> Plant:
+    """A machine with finer hinges, another integrator and shorter steps than any that the diagnosis simulates."""
+    boom = build(machine, HINGES)
+    boom.spec.option.integrator = INTEGRATOR
+    boom.spec.option.timestep *= STEP
+    return with_effects(boom, (*effects_of(machine), *effects))
