@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand
 
+from boom_mj.cli import blind
 from boom_mj.cli.arguments import find_machine, machine_text, output_path
 from boom_mj.effects import library
 from boom_mj.errors import InputError
@@ -17,6 +18,7 @@ from boom_mj.logs import read_log, whole_file, write_mcap
 from boom_mj.recording import Recording, named_signal
 
 app = typer.Typer(help="Diagnose the gap between simulator and machine.", no_args_is_help=True)
+app.add_typer(blind.app, name="blind")
 
 
 class ManyHoldouts(TyperCommand):

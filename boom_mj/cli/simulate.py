@@ -9,8 +9,7 @@ import typer
 from boom_mj.cli.arguments import Hinges, MachineFile, find_machine, output_path
 from boom_mj.effects import parse_effect
 from boom_mj.logs import write_mcap
-from boom_mj.recording import named_signal
-from boom_mj.sensors import boom_scene, measure
+from boom_mj.sensors import boom_scene, record
 from boom_mj.simulation import CATALOGUE, Trajectory, load_experiment, make_plant, run_experiment
 
 
@@ -30,12 +29,7 @@ def command(
     plan, effects = load_experiment(experiment), [parse_effect(text) for text in effect or []]
     trajectory = run_experiment(make_plant(find_machine(machine), hinges, effects), plan)
     rng = np.random.default_rng(seed) if noise else None
-    recording = measure(trajectory, plan.name, plan.description, plan.duration, rng)
-    time = recording["joint/position"].time
-    path = plan.joint_path(time)
-    commands = {"joint_command/position": path[0], "joint_command/velocity": path[1]}
-    signals = {name: named_signal(name, time, values) for name, values in commands.items()}
-    recording = recording.with_signals(signals)
+    recording = record(trajectory, plan, rng)
     if output is not None:
         write_mcap(recording, output, scene=boom_scene(trajectory) if scene else None)
     _print_summary(trajectory, plan.duration, output)

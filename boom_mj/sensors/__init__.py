@@ -4,6 +4,7 @@ from boom_mj.sensors.measure import apply_sensor_effects as apply_sensor_effects
 from boom_mj.sensors.measure import ideal_signals as ideal_signals
 from boom_mj.sensors.measure import measure as measure
 from boom_mj.sensors.measure import noise_levels as noise_levels
+from boom_mj.sensors.measure import record as record
 from boom_mj.sensors.measure import sample as sample
 from boom_mj.sensors.measure import sample_rates as sample_rates
 from boom_mj.sensors.measure import true_angles as true_angles

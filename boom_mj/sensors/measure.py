@@ -7,7 +7,7 @@ import numpy as np
 from boom_mj.effects import AngleEffect, Effect, SignalEffect
 from boom_mj.machine import Machine, cylinder_lengths
 from boom_mj.recording import Recording, Signal, named_signal
-from boom_mj.simulation import Trajectory
+from boom_mj.simulation import Experiment, Trajectory
 
 Array = np.ndarray
 RESOLUTION = 10.0  # steps of a sensor's converter within one standard deviation of its noise
@@ -88,6 +88,15 @@ def measure(
             values = _digital(values + rng.normal(size=values.shape) * levels[signal], levels[signal])
         sampled[signal] = named_signal(signal, time, values)
     return Recording(name, machine.name, description, sampled)
+
+
+def record(trajectory: Trajectory, experiment: Experiment, rng: np.random.Generator | None = None) -> Recording:
+    """The log of an experiment: what was measured, and the commands given to the joints; see `measure`."""
+    recording = measure(trajectory, experiment.name, experiment.description, experiment.duration, rng)
+    time = recording["joint/position"].time
+    position, velocity, _ = experiment.joint_path(time)
+    commands = {"joint_command/position": position, "joint_command/velocity": velocity}
+    return recording.with_signals({name: named_signal(name, time, values) for name, values in commands.items()})
 
 
 def _digital(values: Array, noise: Array) -> Array:

@@ -12,7 +12,7 @@ holds what its sensors said and nothing else (reading and writing it again gives
 
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from functools import cache
@@ -147,8 +147,11 @@ def _make(case: _Case) -> dict[str, Any]:
 
 def _drawn(case: _Case, rng: np.random.Generator) -> tuple[dict[str, Any], dict[str, Recording]]:
     machine, names = parse_machine(case.machine), (*case.suite.train, *case.suite.holdout)
-    eye = _eye(case.machine, names)
-    own, drawn = nuisances(machine, rng), [draw(name, rng, eye.visibility) for name in case.order.ids]
+
+    def visibility(effects: Sequence[Effect]) -> float:
+        return _eye(case.machine, names).visibility(effects) if effects else 0.0
+
+    own, drawn = nuisances(machine, rng), [draw(name, rng, visibility) for name in case.order.ids]
     effects = [effect for effect, _ in drawn]
     plant = true_plant(machine, (*own, *effects))
     recordings = {}
@@ -157,7 +160,7 @@ def _drawn(case: _Case, rng: np.random.Generator) -> tuple[dict[str, Any], dict[
     sealed = {
         "class": case.order.kind,
         "effects": [{"id": e.id, "location": e.location, "parameters": values} for e, values in drawn],
-        "visibility": eye.visibility(effects) if effects else 0.0,
+        "visibility": visibility(effects),
         "nuisances": [_brief(effect) for effect in own],
     }
     return sealed, recordings

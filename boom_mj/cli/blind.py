@@ -1,0 +1,157 @@
+"""gap blind: make cases whose effect is sealed, diagnose them without knowing it, open the seal and score."""
+
+import json
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from boom_mj.cli.arguments import machine_text
+from boom_mj.errors import BoomError, InputError
+
+app = typer.Typer(help="Check the diagnosis on effects that it is not told.", no_args_is_help=True)
+Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of the campaign.")]
+Answers = Annotated[
+    Path | None, typer.Option("--answers", "-a", metavar="DIR", help="Answers; DIR-answers if left out.")
+]
+Seal = Annotated[Path, typer.Option(metavar="FILE", help="The sealed answers.")]
+
+
+@app.command()
+def make(
+    cases: Annotated[int, typer.Option(min=1, help="How many.")],
+    seed_file: Annotated[
+        Path, typer.Option(metavar="SECRET", help="At least 16 random bytes, to be kept from the solver.")
+    ],
+    output: Annotated[Path, typer.Option("-o", metavar="DIR", help="Folder for the cases.")],
+    seal: Annotated[Path, typer.Option(metavar="FILE", help="For the answers, outside DIR.")],
+    machine: Annotated[str, typer.Option(help="Machine file, or a name such as boom36.")] = "boom36",
+    short: Annotated[
+        bool, typer.Option("--short", help="Two training recordings and one held out, 30 s each.")
+    ] = False,
+    mix: Annotated[str, typer.Option(metavar="CLASS=SHARE,...", help="Shares of the classes of cases.")] = "",
+    jobs: Annotated[int, typer.Option(min=1, help="Processes.")] = 1,
+) -> None:
+    """Simulate cases with hidden effects: logs in DIR, answers in a sealed file elsewhere, its hash in DIR.
+
+    Nothing is lost by an interruption: the same call goes on where it was.
+    """
+    from boom_mj.gap.blind import MIX, SHORT, SUITE, make_cases
+
+    if output.resolve() in seed_file.resolve().parents:
+        raise InputError(f"{seed_file}: the seed file must lie outside {output}")
+    if not seed_file.is_file():
+        raise InputError(f"{seed_file}: there is no such seed file")
+    suite, shares = SHORT if short else SUITE, _shares(mix) if mix else dict(MIX)
+    made = make_cases(cases, seed_file.read_bytes(), machine_text(machine), suite, shares, output, seal, jobs)
+    tell = _progress("made", cases)
+    for done in made:
+        tell(done)
+    print(f"{cases} cases in {output}, sealed in {seal}: {(output / 'seal.sha256').read_text().strip()}")
+
+
+@app.command()
+def run(
+    folder: Folder,
+    jobs: Annotated[int, typer.Option(min=1, help="Processes.")] = 1,
+    output: Annotated[
+        Path | None, typer.Option("-o", metavar="DIR", help="For the answers; DIR-answers if left out.")
+    ] = None,
+    cluster: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler whose workers see the same folders.")
+    ] = None,
+) -> None:
+    """Diagnose every case that has no answer yet, each by a process that can open nothing but its case."""
+    from boom_mj.gap.blind import answer_cases, waiting_cases
+
+    answers = _answers(folder, output)
+    waiting, count = waiting_cases(folder, answers)
+    done, failed, tell = count - len(waiting), [], _progress("answered", count)
+    tell(done)
+    for case, error in answer_cases(waiting, (folder / "machine.toml").read_text(), answers, jobs, cluster):
+        done += 1
+        if error:
+            failed.append(case.name)
+            print(f"warning: case {case.name}: {error}", file=sys.stderr)
+        tell(done)
+    if failed:
+        raise BoomError(
+            f"{len(failed)} of {count} cases have no answer ({', '.join(failed)}); run again to try them again"
+        )
+    print(f"{count} answers in {answers}")
+
+
+@app.command()
+def score(
+    folder: Folder,
+    seal: Seal,
+    answers: Answers = None,
+    as_json: Annotated[
+        Path | None, typer.Option("--json", metavar="FILE", help="Figures and outcomes as JSON.")
+    ] = None,
+    page: Annotated[
+        Path | None, typer.Option("-o", metavar="PAGE.md|PAGE.html", help="A page; beside Markdown lies its picture.")
+    ] = None,
+) -> None:
+    """Open the seal, check that it is the published one, and hold the answers against it."""
+    from boom_mj.gap.blind import confusion_svg, html_page, markdown_page
+    from boom_mj.gap.blind import score as hold
+    from boom_mj.logs import whole_file
+
+    if page is not None and page.suffix not in (".md", ".html"):
+        raise InputError(f"{page}: a page is a .md or a .html file")
+    if not seal.is_file():
+        raise InputError(f"{seal}: there is no such seal")
+    found = hold(folder, seal, _answers(folder, answers))
+    outputs: dict[Path, str] = {}
+    if as_json is not None:
+        outputs[as_json] = json.dumps(found.document(), indent=1) + "\n"
+    if page is not None and page.suffix == ".html":
+        outputs[page] = html_page(found)
+    elif page is not None:
+        picture = page.with_suffix(".svg")
+        outputs |= {page: markdown_page(found, picture.name), picture: confusion_svg(found.outcomes)}
+    for path, text in outputs.items():
+        with whole_file(path) as stream:
+            stream.write(text.encode())
+    for figure in found.figures:
+        value = f"{figure.value:7.3g}   95 %: {figure.low:.3g} .. {figure.high:.3g}" if figure.count else "      -"
+        mark = {None: " ", True: "+", False: "!"}[figure.met]
+        print(f"{mark} {figure.name:74}{value}   of {figure.count}")
+    for outcome in found.outcomes:
+        if outcome.reason:
+            print(f"  {outcome.case}  {outcome.kind:9} {outcome.reason}")
+
+
+def _answers(folder: Path, given: Path | None) -> Path:
+    return given or folder.with_name(f"{folder.resolve().name}-answers")
+
+
+def _shares(mix: str) -> dict[str, float]:
+    shares = {}
+    for word in mix.split(","):
+        kind, _, share = word.partition("=")
+        try:
+            shares[kind.strip()] = float(share)
+        except ValueError as error:
+            raise InputError(f"--mix {word}: should read class=share") from error
+    return shares
+
+
+def _progress(verb: str, count: int) -> Callable[[int], None]:
+    """Tells on stderr how many are done and how long the rest will take."""
+    began, first = time.perf_counter(), -1
+
+    def tell(done: int) -> None:
+        nonlocal first
+        first = done if first < 0 else first
+        left = ""
+        if first < done < count:
+            minutes = (time.perf_counter() - began) / (done - first) * (count - done) / 60
+            left = f", about {minutes:.0f} min left" if minutes >= 1 else ", less than a minute left"
+        print(f"{done}/{count} {verb}{left}", file=sys.stderr)
+
+    return tell

@@ -1,0 +1,108 @@
+"""A small blind check from the secret to the score, and what its files give away."""
+
+import json
+import shutil
+from hashlib import sha256
+from pathlib import Path
+
+import pytest
+
+from boom_mj.effects import library
+from boom_mj.gap.blind import SHORT, answer_cases, make_cases, score, waiting_cases
+from boom_mj.gap.blind.making import STAMP
+from boom_mj.gap.blind.strangers import STRANGERS
+from boom_mj.logs import read_log, write_mcap
+from boom_mj.simulation import CATALOGUE
+
+MACHINE = (Path(__file__).parents[2] / "models" / "boom36.toml").read_text()
+SECRET = b"a secret that everybody may read"
+MIXTURE = {"single": 1.0, "none": 1.0}
+
+
+def make(at: Path, cases: int, mix: dict[str, float]) -> list[int]:
+    return list(make_cases(cases, SECRET, MACHINE, SHORT, mix, at / "cases", at / "seal.json", 1))
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    at = tmp_path_factory.mktemp("blind")
+    assert make(at, 2, MIXTURE) == [0, 1, 2]
+    return at
+
+
+def sealed(at: Path) -> dict[str, dict]:
+    return json.loads((at / "seal.json").read_text())["cases"]
+
+
+def test_the_published_hash_is_the_seals(made: Path) -> None:
+    assert (made / "cases" / "seal.sha256").read_text().strip() == sha256((made / "seal.json").read_bytes()).hexdigest()
+    assert sorted(case["class"] for case in sealed(made).values()) == ["none", "single"]
+    assert not list(made.glob("*.parts"))
+
+
+def test_cases_differ_in_their_samples_only(made: Path, tmp_path: Path) -> None:
+    """Names, order, times and metadata are the same everywhere; a log is its samples and nothing else."""
+    cases = sorted(path for path in (made / "cases").iterdir() if path.is_dir())
+    assert [case.name for case in cases] == sorted(sealed(made))
+    listed = [sorted(str(path.relative_to(case)) for path in case.rglob("*")) for case in cases]
+    assert listed[0] == listed[1] and len(listed[0]) == 2 + 3 + 1
+    for path in (made / "cases").rglob("*"):
+        assert path.stat().st_mtime == STAMP, path
+        assert path.stat().st_mode == next((made / "cases").rglob(path.name)).stat().st_mode
+    for path in (made / "cases").rglob("*.mcap"):
+        log, known = read_log(path), CATALOGUE[path.stem]
+        assert (log.name, log.machine, log.description) == (known.name, "boom36", known.description)
+        write_mcap(log, tmp_path / "again.mcap")
+        assert (tmp_path / "again.mcap").read_bytes() == path.read_bytes()
+
+
+def test_no_file_holds_a_word_of_the_seal(made: Path) -> None:
+    text = json.loads((made / "seal.json").read_text())
+    words = [*library(), *STRANGERS, text["salt"], text["seed_sha256"], "single", "none", "withheld", "stranger"]
+    for path in (made / "cases").rglob("*"):
+        if path.is_file() and path.name not in ("withhold.json", "machine.toml"):
+            content = path.read_bytes()
+            assert not [word for word in words if len(word) > 8 and word.encode() in content], path
+    assert (made / "cases" / "machine.toml").read_text() == MACHINE
+    for case, truth in sealed(made).items():
+        (listed,) = json.loads((made / "cases" / case / "withhold.json").read_text())["without"]
+        assert listed in library() and listed not in [effect["id"] for effect in truth["effects"]]
+
+
+def test_an_interrupted_making_goes_on_and_ends_in_the_same_seal(made: Path, tmp_path: Path) -> None:
+    """As if it had been killed within its healthy case."""
+    (ill,) = [case for case, truth in sealed(made).items() if truth["class"] == "single"]
+    parts = tmp_path / "seal.parts"
+    parts.mkdir()
+    (parts / f"{ill}.json").write_text(json.dumps(sealed(made)[ill]))
+    shutil.copytree(made / "cases" / ill, tmp_path / "cases" / ill)
+    assert make(tmp_path, 2, MIXTURE) == [1, 2]
+    assert (tmp_path / "seal.json").read_bytes() == (made / "seal.json").read_bytes()
+    for path in (made / "cases").rglob("*.mcap"):
+        assert (tmp_path / path.relative_to(made)).read_bytes() == path.read_bytes()
+
+
+@pytest.mark.slow
+def test_from_the_secret_to_the_score(made: Path) -> None:
+    """The healthy machine is diagnosed; the other case has an answer already, which stays as it is."""
+    answers, truths = made / "answers", sealed(made)
+    (ill,) = [case for case, truth in truths.items() if truth["class"] == "single"]
+    (healthy,) = set(truths) - {ill}
+    answers.mkdir()
+    kept = {
+        "verdict": "explained",
+        "sentence": "",
+        "effects": truths[ill]["effects"],
+        "ties": [],
+        "gap": {"closure": 1.0},
+    }
+    kept["effects"] = [{**effect, "parameters": {}} for effect in kept["effects"]]
+    (answers / f"{ill}.json").write_text(json.dumps(kept))
+    waiting, count = waiting_cases(made / "cases", answers)
+    assert ([case.name for case in waiting], count) == ([healthy], 2)
+    assert list(answer_cases(waiting, MACHINE, answers)) == [(waiting[0], None)]
+    assert json.loads((answers / f"{ill}.json").read_text()) == kept
+    found = score(made / "cases", made / "seal.json", answers)
+    assert {o.case: (o.truth, o.answer, o.right) for o in found.outcomes}[healthy] == ("none", "consistent", True)
+    assert all(o.right for o in found.outcomes)
+    assert waiting_cases(made / "cases", answers) == ([], 2)

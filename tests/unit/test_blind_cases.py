@@ -1,0 +1,144 @@
+"""How blind cases are drawn, and what a process that diagnoses one can reach."""
+
+import os
+import signal
+import sys
+import time
+from collections import Counter
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import boom_mj
+from boom_mj.effects import library
+from boom_mj.errors import InputError
+from boom_mj.gap.blind import MIX, SHORT, make_cases, waiting_cases
+from boom_mj.gap.blind.confining import confined_to
+from boom_mj.gap.blind.drawing import NUISANCE, draw, orders
+from boom_mj.gap.blind.running import spread
+from boom_mj.gap.blind.strangers import STRANGERS
+from boom_mj.gap.blind.truth import HINGES, true_plant
+from boom_mj.gap.metric import FINE
+from boom_mj.machine import load_machine
+from boom_mj.mjcf import build
+
+ROOT = Path(__file__).parents[2]
+BOOM = load_machine(ROOT / "models" / "boom36.toml")
+
+
+def test_classes_have_their_shares_and_effects_are_dealt_evenly() -> None:
+    found = orders(120, MIX, np.random.default_rng(1))
+    assert Counter(order.kind for order in found) == {kind: int(share) for kind, share in MIX.items()}
+    singles = Counter(order.ids[0] for order in found if order.kind == "single")
+    assert set(singles) == set(library()) - {NUISANCE} and max(singles.values()) - min(singles.values()) <= 1
+    assert len({order.ids[0] for order in found if order.kind == "stranger"}) == len(STRANGERS) >= 5
+    assert [order.kind for order in found] != sorted(order.kind for order in found)
+    for order in found:
+        assert len(set(order.ids)) == {"none": 0, "pair": 2}.get(order.kind, 1)
+        assert (order.without in order.ids) == (order.kind == "withheld")
+
+
+def test_rounding_loses_no_case() -> None:
+    assert all(len(orders(n, MIX, np.random.default_rng(0))) == n for n in range(1, 40))
+    with pytest.raises(InputError, match="singles"):
+        orders(3, {"singles": 1}, np.random.default_rng(0))
+
+
+def test_sizes_spread_both_ways_and_places_everywhere() -> None:
+    rng = np.random.default_rng(2)
+    drawn = [draw("link_stiffness", rng, lambda effects: 9.0)[0] for _ in range(300)]
+    factors = np.array([effect.values["factor"] for effect in drawn])
+    assert np.all((np.abs(factors - 1) >= 0.05) & (np.abs(factors - 1) <= 0.2))
+    assert 0.4 < np.mean(factors < 1) < 0.6
+    assert len({tuple(effect.location.values()) for effect in drawn}) == 12
+
+
+def test_what_does_not_show_is_drawn_again() -> None:
+    def seen(effects: list) -> float:
+        return 2.0 if effects[0].location["link"] == 3 else 0.1
+
+    assert {draw("link_mass", np.random.default_rng(k), seen)[0].location["link"] for k in range(20)} == {3}
+    assert draw("link_mass", np.random.default_rng(0), lambda effects: 0.1)[0].id == "link_mass"
+
+
+def test_strangers_are_described_nowhere_in_the_library() -> None:
+    assert not set(STRANGERS) & set(library())
+    written = "".join(path.read_text() for path in (ROOT / "boom_mj" / "effects").rglob("*.py"))
+    assert not [name for name in STRANGERS if name in written]
+
+
+@pytest.mark.parametrize("kind", STRANGERS.values(), ids=lambda kind: kind.id)
+def test_strangers_compile_into_a_machine_that_stands(kind: type) -> None:
+    effect = draw(kind.id, np.random.default_rng(3), lambda effects: 9.0)[0]
+    assert np.all(np.isfinite(true_plant(BOOM, [effect]).static_equilibrium(np.radians([0, 60, -35, -40, -45]))))
+
+
+def test_the_true_plant_is_not_the_diagnosing_model() -> None:
+    plant, own = true_plant(BOOM, ()), build(BOOM, FINE).compile()
+    assert HINGES > FINE and plant.model.nv > own.nv
+    assert plant.model.opt.integrator != own.opt.integrator
+    assert plant.model.opt.timestep < 0.5 * own.opt.timestep
+
+
+def test_a_guessable_secret_and_a_seal_among_the_cases_are_refused(tmp_path: Path) -> None:
+    wanted = (1, "", SHORT, dict(MIX), tmp_path / "cases")
+    with pytest.raises(InputError, match="outside"):
+        next(make_cases(wanted[0], bytes(32), *wanted[1:], tmp_path / "cases" / "seal.json", 1))
+    with pytest.raises(InputError, match="16"):
+        next(make_cases(wanted[0], b"1234", *wanted[1:], tmp_path / "seal.json", 1))
+    assert not (tmp_path / "cases").exists()
+
+
+def test_a_diagnosis_opens_nothing_but_its_case(tmp_path: Path) -> None:
+    case, seal = tmp_path / "case", tmp_path / "case-seal.json"
+    case.mkdir()
+    (case / "log").write_text("data")
+    seal.write_text("truth")
+    (case / "link").symlink_to(seal)
+    with confined_to(case):
+        assert (case / "log").read_text() == "data"
+        assert Path(boom_mj.__file__).read_text()
+        for path in (seal, case / "link", case / ".." / seal.name):
+            with pytest.raises(PermissionError, match="seal"):
+                path.read_text()
+        with pytest.raises(PermissionError):
+            os.open(seal, os.O_RDONLY)
+    assert seal.read_text() == "truth"
+
+
+def test_a_campaign_with_its_seal_inside_is_not_run(tmp_path: Path) -> None:
+    from hashlib import sha256
+
+    (tmp_path / "aa").mkdir()
+    (tmp_path / "aa" / "withhold.json").write_text('{"without": []}')
+    (tmp_path / "seal.sha256").write_text(sha256(b"truth").hexdigest())
+    assert waiting_cases(tmp_path, tmp_path / "answers") == ([tmp_path / "aa"], 1)
+    (tmp_path / "aa" / "notes").write_bytes(b"truth")
+    with pytest.raises(InputError, match="notes is the seal"):
+        waiting_cases(tmp_path, tmp_path / "answers")
+
+
+def slowly(item: Path, began: Path) -> str:
+    (began / f"{item.name}-{os.getpid()}").touch()
+    time.sleep(0.4)
+    return item.name
+
+
+def test_a_killed_worker_loses_nothing(tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    import cloudpickle
+
+    cloudpickle.register_pickle_by_value(sys.modules[__name__])
+    items = [tmp_path / f"item{k}" for k in range(10)]
+    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None, "host": "127.0.0.1"}
+    with distributed.LocalCluster(**options, local_directory=str(tmp_path / "dask")) as cluster:
+        found, killed = [], 0
+        for item, result in spread(partial(slowly, began=tmp_path), items, 1, cluster.scheduler_address):
+            found.append((item.name, result.result()))
+            if len(found) == 2:
+                killed = int(max(tmp_path.glob("item*-*"), key=os.path.getmtime).name.partition("-")[2])
+                os.kill(killed, signal.SIGKILL)
+    assert sorted(found) == sorted((item.name, item.name) for item in items)
+    assert killed and len(list(tmp_path.glob("item*-*"))) > len(items)  # what it had begun was begun again

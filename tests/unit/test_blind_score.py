@@ -1,0 +1,151 @@
+"""Scoring by answers made up for the purpose: every rule has one that passes and one that does not."""
+
+import json
+from hashlib import sha256
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from boom_mj.errors import InputError
+from boom_mj.gap.blind import confusion_svg, html_page, markdown_page, score
+from boom_mj.gap.blind.judging import NO_ANSWER, Outcome, holds, judge_case, twins
+from boom_mj.gap.blind.scoring import figures, wilson
+
+
+def effect(name: str, location: dict | None = None, **values: float) -> dict:
+    return {"id": name, "location": location or {}, "parameters": values}
+
+
+def truth(kind: str, *effects: dict) -> dict:
+    return {"class": kind, "effects": list(effects), "visibility": 3.0}
+
+
+def answer(verdict: str, *effects: dict, ties: tuple[str, ...] = (), closure: float = 0.96) -> dict:
+    named = [
+        {**e, "parameters": {k: {"value": v, "low": 0.9 * v, "high": 1.1 * v} for k, v in e["parameters"].items()}}
+        for e in effects
+    ]
+    tie = [[{"id": name} for name in (*(e["id"] for e in effects), *ties)]] if ties else []
+    told = {"verdict": verdict, "sentence": "", "effects": named, "ties": tie, "gap": {"closure": closure}}
+    return {**told, "wall_s": 50.0}
+
+
+SOFT, STIFF = (effect("link_stiffness", {"link": k, "axis": "v"}, factor=0.9) for k in (3, 4))
+HEAVY, TILT = effect("tip_payload", mass=40.0), effect("base_tilt", roll=0.01)
+STRANGE = effect("camera_scale", share=0.01)
+
+
+@pytest.mark.parametrize(
+    ("sealed", "told", "right", "placed"),
+    [
+        (truth("single", SOFT), answer("explained", SOFT), True, True),
+        (truth("single", SOFT), answer("explained", STIFF), True, False),
+        (truth("single", SOFT), answer("explained", HEAVY), False, False),
+        (truth("single", SOFT), answer("explained", SOFT, HEAVY), False, False),
+        (truth("single", SOFT), answer("ambiguous", HEAVY, ties=("link_stiffness",)), False, False),
+        (truth("single", SOFT), answer("consistent"), False, False),
+        (truth("none"), answer("consistent"), True, True),
+        (truth("none"), answer("explained", TILT), False, False),
+        (truth("none"), answer("unexplained"), False, False),
+        (truth("pair", SOFT, HEAVY), answer("explained", HEAVY, SOFT), True, True),
+        (truth("pair", SOFT, HEAVY), answer("explained", HEAVY, STIFF), True, False),
+        (truth("pair", SOFT, HEAVY), answer("explained", HEAVY), False, False),
+        (truth("withheld", HEAVY), answer("unexplained"), True, True),
+        (truth("withheld", HEAVY), answer("ambiguous", TILT, ties=("end_hose",)), True, True),
+        (truth("withheld", HEAVY), answer("ambiguous", TILT, ties=("wind",)), False, False),
+        (truth("withheld", HEAVY), answer("explained", effect("end_hose", mass=30.0)), False, False),
+        (truth("withheld", HEAVY), answer("consistent"), False, False),
+        (truth("stranger", STRANGE), answer("unexplained"), True, True),
+        (truth("stranger", STRANGE), answer("explained", effect("camera_pose")), False, False),
+        (truth("single", SOFT), NO_ANSWER, False, False),
+        (truth("none"), NO_ANSWER, False, False),
+    ],
+)
+def test_what_is_right(sealed: dict, told: dict, right: bool, placed: bool) -> None:
+    found = judge_case("a", sealed, told)
+    assert (found.right, found.placed) == (right, placed)
+    assert bool(found.reason) == (not (right and placed))
+
+
+def test_reasons_name_what_happened() -> None:
+    assert (
+        "wrong place: link_stiffness link 4"
+        in judge_case("a", truth("single", SOFT), answer("explained", STIFF)).reason
+    )
+    assert "not seen" in judge_case("a", truth("withheld", HEAVY), answer("consistent")).reason
+    tied = judge_case("a", truth("single", SOFT), answer("ambiguous", HEAVY, ties=("link_stiffness",)))
+    assert "in the tie" in tied.reason and tied.held and tied.tied
+
+
+def test_twins_are_looked_up_from_both_sides() -> None:
+    assert "end_hose" in twins("tip_payload") and "tip_payload" in twins("end_hose")
+    assert twins("camera_scale") == {"camera_pose"}
+    assert "tip_payload" not in twins("camera_scale")
+
+
+def test_an_interval_may_be_open_and_an_angle_may_turn() -> None:
+    interval = {"value": 3.0, "low": 2.0, "high": None}
+    assert holds({"stiffness": 1e9}, {"stiffness": interval}) == [True]
+    assert holds({"stiffness": 1.0}, {"stiffness": interval}) == [False]
+    turned = {"value": 6.2, "low": 6.1, "high": 6.3}
+    assert holds({"phase": -0.05}, {"phase": turned}) == [True]
+    assert holds({"mass": -0.05}, {"mass": turned}) == [False]
+
+
+def test_wilson_meets_the_textbook() -> None:
+    assert wilson(108, 120) == pytest.approx((0.833, 0.942), abs=1e-3)
+    assert wilson(0, 60) == pytest.approx((0.0, 0.060), abs=1e-3)
+    assert wilson(0, 0) == (0.0, 1.0)
+
+
+def outcomes() -> list[Outcome]:
+    rows = [(truth("single", HEAVY), answer("explained", HEAVY, closure=c)) for c in np.linspace(0.9, 0.99, 19)]
+    rows += [(truth("single", HEAVY), answer("explained", TILT, closure=0.1))]
+    rows += [(truth("none"), answer("consistent"))] * 9 + [(truth("none"), answer("explained", TILT))]
+    return [judge_case(str(k), *row) for k, row in enumerate(rows)]
+
+
+def test_figures_count_what_they_say() -> None:
+    found = {figure.name: figure for figure in figures(outcomes())}
+    assert found["single effect: right id"].value == 0.95 and found["single effect: right id"].met
+    assert found["false alarm without effect"].value == 0.1 and found["false alarm without effect"].met is False
+    assert found["held-out closure of solved cases, median"].value == pytest.approx(0.945)  # the miss is left out
+    assert found["95 % intervals that hold the truth"].count == 19
+    assert found["two effects: both named"].met is None
+
+
+@pytest.fixture
+def campaign(tmp_path: Path) -> tuple[Path, Path, Path]:
+    folder, seal, answers = tmp_path / "cases", tmp_path / "seal.json", tmp_path / "answers"
+    cases = {"aa": truth("single", HEAVY), "bb": truth("withheld", TILT), "cc": truth("none")}
+    seal.write_text(json.dumps({"salt": "x", "seed_sha256": "y", "cases": cases}))
+    folder.mkdir()
+    answers.mkdir()
+    (folder / "seal.sha256").write_text(sha256(seal.read_bytes()).hexdigest() + "\n")
+    (answers / "aa.json").write_text(json.dumps(answer("explained", HEAVY)))
+    (answers / "bb.json").write_text(json.dumps({**answer("unexplained"), "unexplained": {"where": "link 2 <&>"}}))
+    return folder, seal, answers
+
+
+def test_a_missing_answer_is_a_miss(campaign: tuple[Path, Path, Path]) -> None:
+    found = score(*campaign)
+    assert [o.right for o in found.outcomes] == [True, True, False]
+    assert found.outcomes[2].reason == "there is no answer"
+    json.dumps(found.document(), allow_nan=False)
+
+
+def test_another_seal_is_refused(campaign: tuple[Path, Path, Path]) -> None:
+    folder, seal, answers = campaign
+    seal.write_text(seal.read_text().replace("40.0", "41.0"))
+    with pytest.raises(InputError, match="published"):
+        score(folder, seal, answers)
+
+
+def test_pages_tell_all(campaign: tuple[Path, Path, Path]) -> None:
+    found = score(*campaign)
+    markdown, html = markdown_page(found, "picture.svg"), html_page(found)
+    for page in (markdown, html):
+        assert "there is no answer" in page and found.seal_sha256 in page and "tip_payload" in page
+    assert "](picture.svg)" in markdown and "link 2 &lt;&amp;&gt;" in html and "<svg" in html
+    assert confusion_svg(found.outcomes).count("fill-opacity") == len(found.outcomes)
