@@ -54,17 +54,26 @@ def back_project(
     """
     points, spread = np.stack(ideal), np.sqrt(np.stack(deviation) ** 2 + MODEL**2)
     use = np.isfinite(points).all(axis=-1)  # (k, n, m)
+    slewing, known = _turned(cameras, points, spread, use, offset, lateral)
+    residual = _solved(cameras, points, spread, use, offset, known)[1]
+    use, contradictory = _agreeing(cameras, points, spread, use, offset, known, residual)
+    slewing, known = _turned(cameras, points, spread, use, offset, lateral)
+    position, _, spreads = _solved(cameras, points, spread, use, offset, known)
+    vague = ~(np.sqrt(np.trace(spreads, axis1=-2, axis2=-1)) < VAGUE)
+    position[vague], spreads[vague] = np.nan, np.nan
+    return Positions(position, spreads, use.sum(axis=0), slewing, contradictory)
+
+
+def _turned(
+    cameras: Sequence[PlacedCamera], points: Array, spread: Array, use: Array, offset: Array, lateral: Array
+) -> tuple[Array, Array]:
+    """q1 in every frame, NaN where unknown, and the same with the last guess there, (n,) each."""
     known = np.zeros(points.shape[1])
     for _ in range(ANGLE_ROUNDS):
         position = _solved(cameras, points, spread, use, offset, known)[0]
         slewing = _slewing(position, lateral, cameras, use, offset)
         known = np.where(np.isfinite(slewing), slewing, known)
-    position, residual, spreads = _solved(cameras, points, spread, use, offset, known)
-    use, contradictory = _agreeing(cameras, points, spread, use, offset, known, residual)
-    position, residual, spreads = _solved(cameras, points, spread, use, offset, known)
-    vague = ~(np.sqrt(np.trace(spreads, axis1=-2, axis2=-1)) < VAGUE)
-    position[vague], spreads[vague] = np.nan, np.nan
-    return Positions(position, spreads, use.sum(axis=0), slewing, contradictory)
+    return slewing, known
 
 
 def right_hand(slewing: Array) -> Array:

@@ -17,6 +17,7 @@ from boom_mj.machine.rig import Chequerboard
 
 Array = np.ndarray
 LEAST_BOARDS, LEAST_PLATES = 5, 4
+ENOUGH = 3  # plates, all of whose corners count, for a first pose
 ROUGH = 8.0  # px, of a pose from features alone
 PRECISE = 3.0  # times the median residual beyond which a reference plate is left out
 FLOOR = 0.02  # px, that an alignment is at best
@@ -97,9 +98,9 @@ def place_camera(
         best = found if len(found) > len(best) else best
         if len(best) > LEAST_PLATES:
             break
-    if len(best) < LEAST_PLATES:
+    if len(best) < ENOUGH:
         raise TrackError(
-            f"{name}: its place needs {LEAST_PLATES} of the reference plates {', '.join(references)}; "
+            f"{name}: its place needs {ENOUGH} of the reference plates {', '.join(references)}; "
             f"found {', '.join(sorted(best)) or 'none'}"
         )
     rotation, translation = _first_pose(name, best, references)
@@ -126,7 +127,7 @@ def _first_pose(name: str, found: Mapping[str, Sighting], references: Mapping[st
     good, turn, shift, inliers = cv2.solvePnPRansac(
         world, ideal, np.eye(3), None, reprojectionError=ROUGH / 1000, iterationsCount=300, flags=cv2.SOLVEPNP_SQPNP
     )
-    if not good or len(inliers) < 2 * LEAST_PLATES:
+    if not good or len(inliers) < 2 * ENOUGH:
         raise TrackError(f"{name}: the reference plates {', '.join(found)} contradict each other")
     turn, shift = cv2.solvePnPRefineLM(world[inliers[:, 0]], ideal[inliers[:, 0]], np.eye(3), None, turn, shift)
     return cv2.Rodrigues(turn)[0], shift.ravel()

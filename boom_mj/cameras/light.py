@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from boom_mj.cameras.dressing import ASPHALT, SUN, asphalt
+from boom_mj.cameras.yard import GROUND, SUN, SUN_AWAY, slabs
 
 Array = np.ndarray
 KINDS = ("light", "texture", "pose")
@@ -19,7 +19,7 @@ class Weather:
 
     Attributes:
         sun: direction of its rays, (3,), and its colour, (3,); sky is the ambient grey.
-        ground: picture of the asphalt, (n, n, 3) uint8.
+        ground: picture of the slabs, (n, n, 3) uint8.
         nudge: displacement (3,) m and rotation vector (3,) rad of every camera, by name.
     """
 
@@ -34,10 +34,11 @@ class Weather:
         if self.sun is not None and self.colour is not None and self.sky is not None:
             light = model.light(SUN)
             light.dir[:], light.diffuse[:] = self.sun, self.colour
+            light.pos[:] = model.stat.center - SUN_AWAY * self.sun
             model.vis.headlight.ambient[:] = self.sky
         if self.ground is None:
             return False
-        texture = model.texture(ASPHALT)
+        texture = model.texture(GROUND)
         start = model.tex_adr[texture.id]
         model.tex_data[start : start + self.ground.size] = self.ground.ravel()
         return True
@@ -57,6 +58,6 @@ def weather_of(frame: int, kinds: Set[str], seed: int, cameras: tuple[str, ...])
         sun=rays if lit else None,
         colour=colour if lit else None,
         sky=sky if lit else None,
-        ground=asphalt(rng, tint) if laid else None,
+        ground=slabs(rng, tint) if laid else None,
         nudge=nudge if moved else None,
     )

@@ -10,12 +10,12 @@ import cv2
 import mujoco
 import numpy as np
 
-from boom_mj.cameras.dressing import ASPHALT
 from boom_mj.cameras.film import Film
 from boom_mj.cameras.intrinsics import Intrinsics
 from boom_mj.cameras.lens import Lens
 from boom_mj.cameras.light import Weather
 from boom_mj.cameras.view import View
+from boom_mj.cameras.yard import GROUND
 from boom_mj.errors import RenderError
 
 Array = np.ndarray
@@ -125,7 +125,7 @@ class Studio:
     def _upload(self, renderer: mujoco.Renderer) -> None:
         context = renderer._mjr_context
         renderer._gl_context.make_current()
-        mujoco.mjr_uploadTexture(self.model, context, self.model.texture(ASPHALT).id)
+        mujoco.mjr_uploadTexture(self.model, context, self.model.texture(GROUND).id)
 
     def visible(self, view: View, points: Array, owner: str) -> Array:
         """Whether nothing stands between a camera and points on a geom, (n, 3) -> (n,) bool."""
