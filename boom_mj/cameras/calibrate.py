@@ -17,7 +17,7 @@ from boom_mj.machine.rig import Chequerboard
 
 Array = np.ndarray
 LEAST_BOARDS, LEAST_PLATES = 5, 4
-ENOUGH = 3  # plates, all of whose corners count, for a first pose
+ENOUGH = 2  # plates, all of whose corners count, for a first pose; LEAST_PLATES must then be where it says
 ROUGH = 8.0  # px, of a pose from features alone
 PRECISE = 3.0  # times the median residual beyond which a reference plate is left out
 FLOOR = 0.02  # px, that an alignment is at best

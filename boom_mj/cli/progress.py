@@ -31,7 +31,7 @@ def progress() -> Iterator[Report]:
 
 
 def _lines() -> Report:
-    """One line when a stage is done, and one with an estimate soon after it began."""
+    """One line when a stage is done, and one with an estimate when a twentieth of it is."""
     began: dict[str, tuple[float, int]] = {}
     estimated: set[str] = set()
 
@@ -40,7 +40,7 @@ def _lines() -> Report:
         start, first = began.setdefault(stage, (now, done))
         if done == total:
             print(f"{stage}: {done} in {now - start:.0f} s", file=sys.stderr, flush=True)
-        elif done > first and stage not in estimated:
+        elif done > first and 20 * (done - first) >= total - first and stage not in estimated:
             estimated.add(stage)
             left = (now - start) * (total - done) / (done - first)
             print(f"{stage}: {done} of {total}, about {left:.0f} s left", file=sys.stderr, flush=True)

@@ -12,7 +12,7 @@ from boom_mj.errors import InputError
 from boom_mj.logs import read_log, write_mcap
 from boom_mj.recording import Recording
 from boom_mj.sensors import measure, replay
-from boom_mj.simulation import Trajectory, load_experiment, make_plant, run_experiment
+from boom_mj.simulation import CATALOGUE, Trajectory, load_experiment, make_plant, run_experiment
 
 LAYOUTS = ("coco", "nerfstudio", "bop", "mcap")
 KINDS = ("light", "texture", "pose")
@@ -21,7 +21,9 @@ KINDS = ("light", "texture", "pose")
 def command(
     what: Annotated[str, typer.Argument(metavar="MACHINE.toml|LOG", help="A machine, or a log to replay.")],
     output: Annotated[Path, typer.Option("-o", metavar="DIR", help="Folder of the data set: new, empty or begun.")],
-    experiment: Annotated[str, typer.Option(help="What a machine does.")] = "release_stretched_vertical",
+    experiment: Annotated[
+        str, typer.Option(help=f"What a machine does: a .toml of your own, or one of: {', '.join(CATALOGUE)}.")
+    ] = "release_stretched_vertical",
     machine: Annotated[str | None, typer.Option(help="Of a log; the one that it names if left out.")] = None,
     camera: Annotated[
         list[str] | None, typer.Option(help="Camera to use; all of the machine file if left out.")
@@ -37,10 +39,14 @@ def command(
     noise: Annotated[bool, typer.Option("--noise", help="Sensor noise of the machine file.")] = False,
     blur: Annotated[int, typer.Option(min=1, max=64, help="Instants within the exposure; 1: sharp.")] = 1,
     rolling: Annotated[int, typer.Option(min=1, max=64, help="Row bands of a rolling shutter; 1: global.")] = 1,
-    randomise: Annotated[str, typer.Option(help=f"Drawn anew for every frame: any of {','.join(KINDS)}.")] = "",
+    randomise: Annotated[
+        str, typer.Option(help=f"Drawn anew for every frame: any of {', '.join(KINDS)}; with commas.")
+    ] = "",
     seed: Annotated[int, typer.Option(min=0, help="Of noise and randomisation.")] = 0,
     calibration: Annotated[bool, typer.Option(help="Pictures of the chequerboard.")] = True,
-    layout: Annotated[str, typer.Option(help=f"Layouts to write, of {','.join(LAYOUTS)}.")] = "coco,nerfstudio",
+    layout: Annotated[
+        str, typer.Option(help=f"Layouts to write, of {', '.join(LAYOUTS)}; with commas.")
+    ] = "coco,nerfstudio",
     sheet: Annotated[Path | None, typer.Option(metavar="PNG", help="Contact sheet.")] = None,
     hinges: Hinges = 1,
     workers: Annotated[int, typer.Option(min=1, max=64, help="Processes that render.")] = 2,

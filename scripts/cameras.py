@@ -1,0 +1,347 @@
+"""How well cameras measure a boom: geometry, errors of tracked markers, what spoils them. Writes docs/cameras.md.
+
+Run: .venv/bin/python scripts/cameras.py   (about an hour on two cores; pictures stay in out/cameras, 6 GB, and what is
+there is not made again, so that it can be stopped and started at any time)
+"""
+
+import json
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import cv2
+import mujoco
+import numpy as np
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+from scipy.optimize import least_squares
+
+from boom_mj.cameras.dressing import add_cameras
+from boom_mj.cameras.film import film_of
+from boom_mj.cameras.intrinsics import Intrinsics
+from boom_mj.cameras.rig import rig_of
+from boom_mj.cameras.studio import Studio, choose_headless
+from boom_mj.cameras.targets import Plate
+from boom_mj.cameras.view import View
+from boom_mj.logs import read_mcap
+from boom_mj.logs.pictures import COVARIANCE
+from boom_mj.machine import load_machine
+from boom_mj.simulation import CATALOGUE, make_plant, run_experiment
+
+Array = np.ndarray
+ROOT = Path(__file__).parents[1]
+WORK = ROOT / "out" / "cameras"
+MACHINE = load_machine(ROOT / "models" / "boom36.toml")
+RIG = {camera.name: camera for camera in rig_of(MACHINE)}
+CUT = 8.0  # s: the rope is cut
+VERTICAL = ("--start", "6", "--stop", "26")
+SHORT = ("--start", "7.8", "--stop", "11", "--every", "2")
+BENDING = ("--start", "0", "--stop", "50", "--every", "4", "--experiment", "fold_in")
+SPOILT = {  # what: arguments of render
+    "ideal lenses": ("--no-distortion",),
+    "lenses of the machine file": (),
+    "JPEG, quality 80": ("--jpeg", "80"),
+    "sensor noise": ("--noise",),
+    "motion blur, 4 ms": ("--blur", "3"),
+    "rolling shutter, 10 ms": ("--rolling", "4"),
+    "noise, blur and rolling shutter": ("--noise", "--blur", "2", "--rolling", "3"),
+    "half the resolution": ("--scale", "0.5"),
+}
+WRONG = 0.1  # m of error from which a position counts as wrong
+SEEN = 0.99  # visible share of a plate that counts as in sight
+
+
+def boom(*arguments: object) -> str:
+    """What a command of boom_mj prints."""
+    line = [sys.executable, "-m", "boom_mj", *map(str, arguments)]
+    return subprocess.run(line, check=True, text=True, stdout=subprocess.PIPE, cwd=ROOT).stdout
+
+
+def tracked(name: str, *options: str) -> dict:
+    """Render and track a data set unless that was done; what `track` says of it."""
+    folder, said = WORK / name, WORK / f"{name}.json"
+    if not said.is_file():
+        print(f"{name}: {' '.join(options)}", flush=True)
+        boom("render", "boom36", "-o", folder, *options)
+        text = boom("track", folder, "-o", WORK / f"{name}.mcap", "--overlay", WORK / f"{name}.png", "--json")
+        said.write_text(text)
+    return json.loads(said.read_text())
+
+
+def labels(name: str, camera: str) -> list[dict]:
+    """Labels of a camera's frames in order."""
+    return [json.loads(path.read_bytes()) for path in sorted((WORK / name / "labels" / camera).glob("*.json"))]
+
+
+def markers(name: str) -> tuple[Array, Array, Array]:
+    """Times (n,), tracked and true positions of a data set's markers, (n, 12, 3) each, m."""
+    signal = read_mcap(WORK / f"{name}.mcap")["markers"]
+    truth = np.array([label["markers"] for label in labels(name, "camera1")])
+    return signal.time, signal.values.reshape(len(truth), -1, 3), truth
+
+
+def rms(values: Array, axis: int | None = None) -> Array:
+    """Root mean square of what is not NaN."""
+    return np.sqrt(np.nanmean(values**2, axis=axis))
+
+
+# Geometry
+
+
+def projection_errors() -> tuple[float, float]:
+    """Largest distance of our pixels from OpenCV's, with distortion, and from MuJoCo's, without, px."""
+    rng, ours_cv, ours_mujoco = np.random.default_rng(1), 0.0, 0.0
+    for camera in RIG.values():
+        view, lens = camera.view, camera.view.intrinsics
+        pixels = rng.uniform(0, [lens.width - 1, lens.height - 1], (300, 2))
+        inside = np.column_stack([lens.rays(pixels), np.ones(300)]) * rng.uniform(2, 60, (300, 1))
+        points, turn = inside @ view.rotation + view.position, cv2.Rodrigues(view.rotation)[0]
+        theirs = cv2.projectPoints(points, turn, view.translation, lens.matrix, np.array(lens.distortion))[0][:, 0]
+        ours_cv = max(ours_cv, float(np.abs(view.project(points) - theirs).max()))
+        centred = Intrinsics(lens.width, lens.height, lens.focal, ((lens.width - 1) / 2, (lens.height - 1) / 2))
+        plain = View(centred, view.rotation, view.position)
+        difference = plain.project(points) - _camprojection(plain, points)
+        ours_mujoco = max(ours_mujoco, float(np.abs(difference).max()))
+    return ours_cv, ours_mujoco
+
+
+def _camprojection(view: View, points: Array) -> Array:
+    """MuJoCo's pixels of points, (n, 2); it counts from the picture's corner."""
+    spec = mujoco.MjSpec()
+    add_cameras(spec, {"camera": view})
+    for k, point in enumerate(points):
+        spec.worldbody.add_site(name=f"p{k}", pos=point)
+        sensor = spec.add_sensor(name=f"p{k}", type=mujoco.mjtSensor.mjSENS_CAMPROJECTION)
+        sensor.objtype, sensor.objname = mujoco.mjtObj.mjOBJ_SITE, f"p{k}"
+        sensor.reftype, sensor.refname = mujoco.mjtObj.mjOBJ_CAMERA, "camera"
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    return data.sensordata.reshape(-1, 2) - 0.5
+
+
+def centroid_errors(name: str) -> Array:
+    """Distances of the centroids of rendered plates from those of their projected corners, px.
+
+    Ideal lenses; plates that are wholly in sight. Pixels are those whose middle shows the plate.
+    """
+    plant, found = make_plant(MACHINE, 1), []
+    film = film_of(run_experiment(plant, CATALOGUE[name]), rig_of(MACHINE, distortion=False))
+    numbers = [film.model.geom(plate.name).id for plate in film.plates]
+    with Studio(film) as studio:
+        for time in (7.0, 8.6, 9.4):
+            studio.pose(time)
+            for camera in RIG:
+                shown = _geoms(studio, camera)
+                for plate, number in zip(film.plates, numbers):
+                    corners, clear = _corners(studio, camera, plate)
+                    if not clear:
+                        continue
+                    rows, columns = np.nonzero(shown == number)
+                    moments = cv2.moments(corners.astype(np.float32))
+                    wanted = np.array([moments["m10"], moments["m01"]]) / moments["m00"]
+                    found.append(np.linalg.norm([columns.mean() - wanted[0], rows.mean() - wanted[1]]))
+    return np.array(found)
+
+
+def _geoms(studio: Studio, camera: str) -> Array:
+    """Number of the geom that every pixel shows, (h, w)."""
+    renderer = studio._aimed(camera)
+    renderer.enable_segmentation_rendering()
+    shown = renderer.render()[..., 0].copy()
+    renderer.disable_segmentation_rendering()
+    return shown
+
+
+def _corners(studio: Studio, camera: str, plate: Plate) -> tuple[Array, bool]:
+    """Projected corners of a plate, (4, 2), and whether all of it is in sight."""
+    body, view = studio.data.body(plate.body), studio.view(camera)
+    rotation = body.xmat.reshape(3, 3)
+    corners, normal = body.xpos + plate.corners @ rotation.T, rotation @ plate.axes[:, 2]
+    pixels = view.project(corners)
+    center = corners.mean(axis=0)
+    if not view.intrinsics.contains(pixels).all() or (view.position - center) @ normal <= 0:
+        return pixels, False
+    share = np.linspace(0.02, 0.98, 9)
+    across, down = np.meshgrid(share, share)
+    along, up = corners[1] - corners[0], corners[3] - corners[0]
+    grid = corners[0] + np.outer(across.ravel(), along) + np.outer(down.ravel(), up)
+    return pixels, bool(studio.visible(view, grid, plate.name).all())
+
+
+def lens_rows(said: dict) -> Iterator[str]:
+    """Lenses and places of the cameras as tracking found them, against the machine file."""
+    for name, found in said["cameras"].items():
+        lens, place = RIG[name].view.intrinsics, RIG[name].view.position
+        focal = 100 * (np.array(found["focal_px"]) / lens.focal - 1)
+        center = np.array(found["center_px"]) - lens.center
+        moved = 1000 * (np.array(found["position_m"]) - place)
+        yield (
+            f"| {name} | {focal[0]:+.3f}, {focal[1]:+.3f} | {center[0]:+.2f}, {center[1]:+.2f} | "
+            f"{found['lens_rms_px']:.3f} | {', '.join(f'{v:+.1f}' for v in moved)} | {found['reference_rms_px']:.3f} | "
+            f"{len(found['reference_plates'])} |"
+        )
+
+
+# The chain
+
+
+def marker_rows(name: str) -> Iterator[str]:
+    """Every marker: share of the frames in which it has a position, rms errors, largest error."""
+    _, found, truth = markers(name)
+    error = 1000 * (found - truth)
+    for k in range(found.shape[1]):
+        share = np.isfinite(found[:, k, 0]).mean()
+        if not share:
+            yield f"| {k + 1} | 0.0 | | | | |"
+            continue
+        x, y, z = rms(error[:, k], axis=0)
+        largest = np.nanmax(np.linalg.norm(error[:, k], axis=1))
+        yield f"| {k + 1} | {100 * share:.1f} | {x:.1f} | {y:.1f} | {z:.1f} | {largest:.1f} |"
+    x, y, z = rms(error, axis=(0, 1))
+    largest = np.nanmax(np.linalg.norm(error, axis=2))
+    share = 100 * np.isfinite(found[..., 0]).mean()
+    yield f"| **all** | {share:.1f} | **{x:.1f}** | **{y:.1f}** | **{z:.1f}** | {largest:.1f} |"
+
+
+def pull(name: str) -> Array:
+    """Rms of error over stated standard deviation along x, y, z; 1 if covariances tell the truth."""
+    _, found, truth = markers(name)
+    with (WORK / f"{name}.mcap").open("rb") as stream:
+        messages = make_reader(stream, decoder_factories=[DecoderFactory()]).iter_decoded_messages([COVARIANCE])
+        covariance = np.array([message.data for *_, message in messages]).reshape(*found.shape, 3)
+    return rms((found - truth) / np.sqrt(np.einsum("nmaa->nma", covariance)), axis=(0, 1))
+
+
+def first_frequency(time: Array, height: Array) -> tuple[float, float]:
+    """Frequency of the first of two decaying vibrations about a level, and its standard error, Hz."""
+
+    def residual(p: Array) -> Array:
+        level, *modes = p
+        parts = [
+            np.exp(-d * (time - time[0])) * (a * np.cos(2 * np.pi * f * time) + b * np.sin(2 * np.pi * f * time))
+            for a, b, f, d in (modes[:4], modes[4:])
+        ]
+        return height - level - sum(parts)
+
+    step = np.median(np.diff(time))
+    power = np.abs(np.fft.rfft((height - height.mean()) * np.hanning(len(height)), 8 * len(height)))
+    start = np.fft.rfftfreq(8 * len(height), step)[np.argmax(power)]
+    swing = np.ptp(height) / 4
+    fit = least_squares(residual, [height.mean(), swing, swing, start, 0.05, 0, 0, 3.6 * start, 0.3], x_scale="jac")
+    variance = np.linalg.inv(fit.jac.T @ fit.jac) * 2 * fit.cost / (len(time) - len(fit.x))
+    return float(fit.x[3]), float(np.sqrt(variance[3, 3]))
+
+
+def frequencies(name: str) -> tuple[float, float, float]:
+    """First frequency of the tip: tracked with its standard error, and true, Hz."""
+    time, found, _ = markers(name)
+    there = np.isfinite(found[:, -1, 2]) & (time > CUT + 0.5)
+    seen, error = first_frequency(time[there], found[there, -1, 2])
+    motion = run_experiment(make_plant(MACHINE, 1), CATALOGUE["release_stretched_vertical"])
+    free = (motion.time > CUT + 0.5) & (motion.time < time[-1])
+    true, _ = first_frequency(motion.time[free], motion.sensor("marker12")[free, 2])
+    return seen, error, true
+
+
+def spoilt_rows() -> Iterator[str]:
+    """What spoils the pictures, and what that does to the positions."""
+    for k, (what, options) in enumerate(SPOILT.items()):
+        name = f"spoilt{k}"
+        said = tracked(name, *SHORT, *options)
+        _, found, truth = markers(name)
+        error = 1000 * (found - truth)
+        x, y, z = rms(error, axis=(0, 1))
+        largest = np.nanmax(np.linalg.norm(error, axis=2))
+        lens = max(camera["lens_rms_px"] for camera in said["cameras"].values())
+        yield (
+            f"| {what} | {100 * np.isfinite(found[..., 0]).mean():.1f} | {x:.1f} | {y:.1f} | {z:.1f} | {largest:.1f} | "
+            f"{lens:.3f} |"
+        )
+
+
+def occlusion(name: str) -> dict[str, float]:
+    """What becomes of markers that plates, links and the truck hide, over all frames and markers."""
+    _, found, truth = markers(name)
+    views = [labels(name, camera) for camera in RIG]
+    clear = np.zeros((*found.shape[:2], 2), int)  # sightings with a plate wholly, and at all, in sight
+    for frames in views:
+        for row, label in enumerate(frames):
+            for k in range(found.shape[1]):
+                seen = [label["plates"][f"marker{k + 1}_{side}"]["visible"] for side in ("left", "right")]
+                clear[row, k] += [max(seen) >= SEEN, max(seen) > 0]
+    there, error = np.isfinite(found[..., 0]), np.linalg.norm(found - truth, axis=2)
+    hidden, open_ = clear[..., 1] < 2, clear[..., 0] >= 2
+    return {
+        "hidden": 100 * hidden.mean(),
+        "hidden_given": 100 * there[hidden].mean() if hidden.any() else 0.0,
+        "open_given": 100 * there[open_].mean(),
+        "given": 100 * there.mean(),
+        "wrong": int((error[there] > WRONG).sum()),
+        "positions": int(there.sum()),
+        "largest": 1000 * float(error[there].max()),
+        "rms": 1000 * rms(found - truth, axis=(0, 1)),
+        "p999": 1000 * float(np.quantile(error[there], 0.999)),
+    }
+
+
+def speed() -> tuple[list[str], list[str]]:
+    """Rows of the loops, and of whole data sets by their workers."""
+    result = WORK / "rendering.json"
+    if not result.is_file():
+        subprocess.run([sys.executable, ROOT / "benchmarks" / "rendering.py", "-o", result], check=True, cwd=ROOT)
+    found = json.loads(result.read_text())
+    bare_wall, bare_cpu = found["loops"]["bare loop"]
+    loops = [
+        f"| {name} | {wall:.3f} | {bare_wall / wall:.2f} | {cpu:.3f} | {bare_cpu / cpu:.2f} |"
+        for name, (wall, cpu) in found["loops"].items()
+    ]
+    return loops, [f"| {workers} | {rate:.2f} |" for workers, rate in found["workers"].items()]
+
+
+def draw_picture(path: Path) -> None:
+    """The overlays of a stretched and of a folding boom below each other, in few enough colours for a small file."""
+    rows = [cv2.imread(str(WORK / f"{name}.png")) for name in ("spoilt1", "fold_in")]
+    picture = cv2.resize(np.vstack(rows), None, fx=0.85, fy=0.85, interpolation=cv2.INTER_AREA)
+    cv2.imwrite(str(path), picture // 12 * 12 + 6, [cv2.IMWRITE_PNG_COMPRESSION, 9])
+
+
+def main() -> None:
+    choose_headless()
+    WORK.mkdir(parents=True, exist_ok=True)
+    opencv, mujocos = projection_errors()
+    centroid = centroid_errors("release_stretched_vertical")
+    clean = tracked("vertical", *VERTICAL)
+    seen, error, true = frequencies("vertical")
+    tracked("fold_in", *BENDING)
+    loops, workers = speed()
+    filled = {
+        "opencv": f"{opencv:.1e}",
+        "mujoco": f"{mujocos:.4f}",
+        "centroid": f"{rms(centroid):.3f} rms, {centroid.max():.3f} largest, of {len(centroid)}",
+        "lenses": "\n".join(lens_rows(clean)),
+        "markers": "\n".join(marker_rows("vertical")),
+        "pull": ", ".join(f"{v:.2f}" for v in pull("vertical")),
+        "frequency": f"{seen:.4f} +- {error:.4f} Hz seen, {true:.4f} Hz true, {100 * (seen / true - 1):+.3f} %",
+        "spoilt": "\n".join(spoilt_rows()),
+        **{name: _plain(value) for name, value in occlusion("fold_in").items()},
+        "loops": "\n".join(loops),
+        "workers": "\n".join(workers),
+    }
+    draw_picture(ROOT / "docs" / "cameras.png")
+    text = (ROOT / "docs" / "cameras.md.in").read_text()
+    for name, value in filled.items():
+        text = text.replace("{" + name + "}", value)
+    (ROOT / "docs" / "cameras.md").write_text(text)
+    print(text)
+
+
+def _plain(value: float | int | Array) -> str:
+    if isinstance(value, int):
+        return f"{value:,}".replace(",", " ")
+    return ", ".join(f"{v:.1f}" for v in np.atleast_1d(value))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,306 @@
+"""Data sets as a user makes them: small pictures of the truck and the first link, killed, resumed, loaded, tracked."""
+
+import errno
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+
+from boom_mj.cameras.chain import track
+from boom_mj.cameras.dataset import read_dataset, write_json
+from boom_mj.cli import main
+from boom_mj.errors import BoomError, DatasetError, MachineFileError, RenderError
+from boom_mj.logs import read_mcap
+from boom_mj.machine import load_machine, parse_machine
+
+ROOT = Path(__file__).parents[2]
+TEXT = (ROOT / "models" / "boom36.toml").read_text().split("\n# Three cameras")[0]
+CAMERA = """
+[[camera]]
+name = "{name}"
+position = {position}
+look_at = [3.4, 0.0, 3.2]
+resolution = [448, 288]
+focal_length = [{focal}, {focal}]
+distortion = [-0.06, 0.01, 0.0003, -0.0002, 0.0]
+exposure = 0.004
+readout = 0.01
+"""
+RIG = CAMERA.format(name="right", position=[5.5, -11.5, 2.5], focal=390.0)
+RIG += CAMERA.format(name="left", position=[7.0, 10.5, 5.0], focal=390.0)
+SHORT = ("--start", 8.0, "--stop", 8.1, "--workers", 2)
+
+
+def can_render() -> bool:
+    code = "import mujoco; mujoco.Renderer(mujoco.MjModel.from_xml_string('<mujoco/>'), 16, 16).render()"
+    done = subprocess.run([sys.executable, "-c", code], env={**os.environ, "MUJOCO_GL": "egl"}, capture_output=True)
+    return done.returncode == 0
+
+
+needs_egl = pytest.mark.skipif(not can_render(), reason="EGL cannot render here")
+
+
+def boom(*arguments: object, gl: str = "egl") -> subprocess.CompletedProcess:
+    command = [sys.executable, "-m", "boom_mj", *map(str, arguments)]
+    environment = {**os.environ, "MUJOCO_GL": gl}
+    return subprocess.run(command, capture_output=True, text=True, cwd=ROOT, timeout=300, env=environment)
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    return {str(p.relative_to(folder)): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
+
+
+@pytest.fixture(scope="module")
+def machine(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("machine") / "close.toml"
+    path.write_text(TEXT + RIG)
+    return path
+
+
+@pytest.fixture(scope="module")
+def made(machine: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("made") / "set"
+    layouts = "coco,nerfstudio,bop,mcap"
+    done = boom("render", machine, "-o", folder, *SHORT, "--masks", "--depth", "--layout", layouts)
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+@needs_egl
+def test_the_layouts_load_in_their_readers(made: Path) -> None:
+    coco = pytest.importorskip("pycocotools.coco").COCO(made / "annotations.json")
+    boom_id = coco.getCatIds(catNms=["boom"])
+    for annotation in coco.loadAnns(coco.getAnnIds(catIds=boom_id)):
+        assert len(annotation["keypoints"]) == 3 * 24 and annotation["num_keypoints"] > 0
+    mask = {p.name: cv2.imread(str(p), cv2.IMREAD_UNCHANGED) for p in (made / "masks" / "right").iterdir()}
+    picture = next(i for i in coco.loadImgs(coco.getImgIds()) if i["file_name"] == "images/right/000001.png")
+    link = coco.loadAnns(coco.getAnnIds(imgIds=[picture["id"]], catIds=coco.getCatIds(catNms=["link2"])))[0]
+    covered = coco.annToMask(link)
+    assert covered.sum() == link["area"] and covered.shape == mask["000001.png"].shape
+
+    transforms = json.loads((made / "transforms.json").read_text())
+    assert transforms["camera_model"] == "OPENCV" and len(transforms["frames"]) == 6
+    for frame in transforms["frames"]:
+        pose = np.array(frame["transform_matrix"])
+        assert pose.shape == (4, 4) and np.linalg.det(pose[:3, :3]) == pytest.approx(1)
+        assert (made / frame["file_path"]).is_file() and (made / frame["depth_file_path"]).is_file()
+        toward = np.array([3.4, 0.0, 3.2]) - pose[:3, 3]
+        assert -pose[:3, 2] @ toward == pytest.approx(np.linalg.norm(toward), rel=1e-6)  # looks along -z
+
+    bop = made / "bop"
+    info = json.loads((bop / "models" / "models_info.json").read_text())
+    truth = json.loads((bop / "test" / "000001" / "scene_gt.json").read_text())
+    seen = json.loads((bop / "test" / "000001" / "scene_gt_info.json").read_text())
+    camera = json.loads((bop / "test" / "000001" / "scene_camera.json").read_text())
+    assert set(truth) == set(seen) == set(camera) == {"0", "1", "2"} and len(truth["0"]) == len(info) == 8
+    assert (bop / "test" / "000001" / "rgb" / "000000.png").is_file()
+    assert 0 < seen["0"][0]["visib_fract"] <= 1.05  # outline and mask differ along the rim
+
+    with (made / "dataset.mcap").open("rb") as stream:
+        reader = make_reader(stream, decoder_factories=[DecoderFactory()])
+        messages = {}
+        for _, channel, _, message in reader.iter_decoded_messages():
+            messages.setdefault(channel.topic, []).append(message)
+    assert len(messages["/camera/1/image/compressed"]) == len(messages["/camera/2/camera_info"]) == 3
+    decoded = cv2.imdecode(np.frombuffer(messages["/camera/1/image/compressed"][0].data, np.uint8), cv2.IMREAD_COLOR)
+    assert decoded.shape == (288, 448, 3) and messages["/camera/1/camera_info"][0].distortion_model == "plumb_bob"
+    assert {"/joint_states", "/markers", "/imu/link5"} <= set(messages)
+
+
+@needs_egl
+def test_labels_say_what_the_pictures_show(made: Path) -> None:
+    label = json.loads((made / "labels" / "left" / "000000.json").read_text())
+    depth = cv2.imread(str(made / "depth" / "left" / "000000.png"), cv2.IMREAD_UNCHANGED)
+    masks = cv2.imread(str(made / "masks" / "left" / "000000.png"), cv2.IMREAD_UNCHANGED)
+    pose, seen = np.array(label["camera_from_world"]), 0
+    for name, plate in label["plates"].items():
+        if plate["visible"] < 1:
+            continue
+        u, v = np.round(plate["pixel"]).astype(int)
+        inside = pose[:3, :3] @ plate["center"] + pose[:3, 3]
+        assert depth[v, u] / 1000 == pytest.approx(inside[2], abs=0.06)  # m: half a pixel (16 mm) of a tilted plate
+        assert (masks[v, u] > 0) == name.startswith("marker")
+        seen += 1
+    assert seen > 6
+    assert label["plates"]["marker1_right"]["visible"] == 0  # the other side of the boom
+
+
+@needs_egl
+def test_killed_and_started_again_gives_the_same_bytes(machine: Path, made: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "killed"
+    layouts = ("--masks", "--depth", "--layout", "coco,nerfstudio,bop,mcap")
+    call = [sys.executable, "-m", "boom_mj", "render", machine, "-o", folder, *SHORT, *layouts]
+    process = subprocess.Popen(
+        [*map(str, call)], cwd=ROOT, env={**os.environ, "MUJOCO_GL": "egl"}, stderr=-3, stdout=-3
+    )
+    while process.poll() is None and not list(folder.glob("labels/*/*.json")):
+        time.sleep(0.02)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    time.sleep(0.5)  # its workers leave by themselves
+    assert not (folder / "annotations.json").exists()
+    done = boom("render", machine, "-o", folder, "--start", 8.0, "--stop", 8.1, "--workers", 1, *layouts)
+    assert done.returncode == 0, done.stderr
+    whole, resumed = files(made), files(folder)
+    assert set(whole) == set(resumed)
+    assert [name for name in whole if whole[name] != resumed[name]] == []
+
+    other = boom("render", machine, "-o", folder, "--start", 8.0, "--stop", 8.2)
+    assert other.returncode == 2 and "another data set" in other.stderr and "stop" in other.stderr
+
+
+@needs_egl
+def test_track_finds_the_markers_that_both_sides_show(made: Path, tmp_path: Path) -> None:
+    output, video = tmp_path / "markers.mcap", tmp_path / "left.webm"
+    done = boom("track", made, "-o", output, "--overlay", tmp_path / "o.png", "--video", video, "--json")
+    assert done.returncode == 0, done.stderr
+    document = json.loads(done.stdout)
+    shares = [marker["share"] for marker in document["markers"]]
+    assert shares[:2] == [1.0, 1.0] and set(shares[6:]) == {0.0}
+    assert document["cameras"]["right"]["focal_px"][0] == pytest.approx(390, rel=0.002)
+    truth = [json.loads((made / "labels" / "right" / f"{k:06d}.json").read_text())["markers"] for k in range(3)]
+    found = read_mcap(output)["markers"].values.reshape(3, 12, 3)
+    error = found[:, :2] - np.array(truth)[:, :2]
+    assert np.abs(error).max() < 0.01  # m: 30 mm per pixel, some hundredths of a pixel
+    assert np.isnan(found[:, 6:]).all()
+    assert video.read_bytes().startswith(b"\x1aE\xdf\xa3") and (tmp_path / "o.png").stat().st_size > 1000
+
+
+@needs_egl
+def test_light_noise_blur_and_shutter_do_not_depend_on_the_workers(machine: Path, tmp_path: Path) -> None:
+    options = ["--start", 9.0, "--stop", 9.05, "--seed", 7, "--noise", "--blur", 2, "--rolling", 2, "--jpeg", 90]
+    options += ["--randomise", "light,texture,pose", "--no-calibration", "--scale", 0.5]
+    for name, workers in (("one", 1), ("two", 2)):
+        done = boom("render", machine, "-o", tmp_path / name, *options, "--workers", workers)
+        assert done.returncode == 0, done.stderr
+    one, two = files(tmp_path / "one"), files(tmp_path / "two")
+    assert one == two
+    light = [cv2.imread(str(tmp_path / "one" / "images" / "left" / f"{k:06d}.jpg")).mean() for k in range(2)]
+    assert abs(light[1] - light[0]) > 1
+    with pytest.raises(DatasetError, match="stand still"):
+        track(tmp_path / "one")
+
+
+@pytest.fixture
+def refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture):
+    """Exit status and stderr of a command that fails before it renders, without the start of a process."""
+
+    def call(*arguments: object) -> tuple[int, str]:
+        monkeypatch.setattr(sys, "argv", ["boom_mj", *map(str, arguments)])
+        with pytest.raises(SystemExit) as left:
+            main()
+        return int(left.value.code or 0), capsys.readouterr().err
+
+    return call
+
+
+def test_bad_calls_are_told_in_a_sentence(machine: Path, tmp_path: Path, refused) -> None:
+    full = tmp_path / "full"
+    full.mkdir()
+    (full / "holiday.jpg").write_bytes(b"beach")
+    (tmp_path / "file").write_text("")
+    rigs = {"plain": "", "away": RIG.replace("look_at = [3.4, 0.0, 3.2]", "look_at = [3.4, -40.0, 3.2]", 1)}
+    rigs["sky"] = RIG.replace("look_at = [3.4, 0.0, 3.2]", "look_at = [3.4, 0.0, 60.0]", 1)
+    for name, rig in rigs.items():
+        (tmp_path / f"{name}.toml").write_text(TEXT + rig)
+    new = tmp_path / "x"
+    cases = [
+        (["render", machine, "-o", full, *SHORT], "holiday.jpg"),
+        (["render", machine, "-o", tmp_path / "file", *SHORT], "needs a folder"),
+        (["render", machine, "-o", new, "--camera", "up"], "right, left"),
+        (["render", machine, "-o", new, "--layout", "yolo"], "nerfstudio"),
+        (["render", machine, "-o", new, "--stop", 99], "99"),
+        (["render", tmp_path / "plain.toml", "-o", new], "[[camera]]"),
+        (["render", tmp_path / "away.toml", "-o", new, *SHORT], "behind it"),
+        (["render", tmp_path / "sky.toml", "-o", new, *SHORT], "outside its picture"),
+        (["render", "nowhere.mcap", "-o", new], "nowhere.mcap"),
+        (["track", full], "dataset.json"),
+    ]
+    for arguments, told in cases:
+        status, message = refused(*arguments)
+        assert (status, told in message) == (2, True), (arguments, message)
+    assert [p.name for p in full.iterdir()] == ["holiday.jpg"] and not new.exists()
+
+
+def test_without_opengl_it_is_told_what_to_install(machine: Path, tmp_path: Path) -> None:
+    done = boom("render", machine, "-o", tmp_path / "x", *SHORT, gl="disabled")
+    assert done.returncode == 1 and "libegl1" in done.stderr and "Traceback" not in done.stderr
+
+
+def test_a_description_that_is_none(tmp_path: Path, refused) -> None:
+    (tmp_path / "dataset.json").write_text('{"name": 3}')
+    status, message = refused("track", tmp_path)
+    assert status == 2 and re.search(r"name|machine|cameras", message)
+
+
+@needs_egl
+@pytest.mark.parametrize("harm", ["no picture", "no chequerboard", "one camera", "no reference plates"])
+def test_pictures_from_which_nothing_follows(made: Path, tmp_path: Path, harm: str) -> None:
+    folder = tmp_path / "set"
+    shutil.copytree(made, folder, ignore=shutil.ignore_patterns("bop", "depth", "masks", "*.mcap"))
+    description = json.loads((folder / "dataset.json").read_text())
+    if harm == "no picture":
+        (folder / "images" / "left" / "000001.png").write_bytes(b"torn")
+    elif harm == "no chequerboard":
+        for path in (folder / "calibration" / "left").iterdir():
+            shutil.copy(folder / "images" / "left" / "000000.png", path)
+    elif harm == "one camera":
+        description["cameras"] = description["cameras"][:1]
+    else:
+        for path in (folder / "images" / "left").iterdir():
+            cv2.imwrite(str(path), np.full((288, 448), 128, np.uint8))
+    (folder / "dataset.json").write_text(json.dumps(description))
+    told = {"no picture": "000001.png", "no chequerboard": "left: the chequerboard", "one camera": "two cameras"}
+    with pytest.raises(BoomError, match=told.get(harm, "left: its place needs")):
+        track(folder)
+
+
+def test_a_full_disk_leaves_no_half_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(path: Path, content: bytes) -> None:
+        path.open("wb").write(content[:3])
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    (tmp_path / "a.json").write_text("old")
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(RenderError, match=r"a\.json cannot be written: No space left on device"):
+        write_json(tmp_path / "a.json", {"new": True})
+    assert [p.name for p in tmp_path.iterdir()] == ["a.json"] and (tmp_path / "a.json").read_text() == "old"
+
+
+@needs_egl
+def test_a_place_that_cannot_be_written_is_told_and_what_is_done_stays(
+    made: Path, machine: Path, tmp_path: Path
+) -> None:
+    folder = tmp_path / "set"
+    shutil.copytree(made, folder)
+    missing = folder / "labels" / "left" / "000002.json"
+    missing.unlink()
+    shutil.rmtree(folder / "depth" / "left")
+    (folder / "depth" / "left").write_text("in the way")
+    done = boom("render", machine, "-o", folder, *SHORT, "--masks", "--depth", "--layout", "coco,nerfstudio,bop,mcap")
+    assert done.returncode == 1 and "cannot be written" in done.stderr and "finishes it" in done.stderr
+    assert read_dataset(folder).frames and not missing.exists()
+
+
+def test_machine_files_without_cameras_still_load_and_bad_cameras_are_named() -> None:
+    assert parse_machine(TEXT).camera == ()
+    assert len(load_machine(ROOT / "models" / "boom36.toml").camera) == 3
+    for old, new, told in (
+        ("exposure = 0.004", "exposure = 0.4", "longer than a frame"),
+        ("focal_length = [390.0, 390.0]", "focal_length = [-1.0, 390.0]", "greater than 0"),
+        ('name = "left"', 'name = "right"', "must differ"),
+        ("readout = 0.01", "shutter = 0.01", "known here"),
+    ):
+        with pytest.raises(MachineFileError, match=told):
+            parse_machine(TEXT + RIG.replace(old, new, 1))
