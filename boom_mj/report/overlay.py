@@ -9,9 +9,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from boom_mj.logs import whole_file
+from boom_mj.report.colours import MEASURED, NOMINAL
 from boom_mj.sensors import Replay
 
-MEASURED, NOMINAL = "#222222", "#d55e00"
 PANELS = (
     ("markers", "marker12/z", "tip height"),
     ("markers", "marker12/y", "tip sideways"),

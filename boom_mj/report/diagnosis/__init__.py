@@ -1,0 +1,3 @@
+"""The page of a diagnosis: verdict in words, where the gap lies, what explains it, what is left."""
+
+from boom_mj.report.diagnosis.page import write_diagnosis as write_diagnosis

@@ -1,0 +1,34 @@
+"""What is left: how much, where, and what it looks like."""
+
+import numpy as np
+
+from boom_mj.gap.diagnose import QUIET
+from boom_mj.gap.where import looks
+from boom_mj.report.diagnosis.heat import heat_map
+from boom_mj.report.diagnosis.section import Section
+from boom_mj.report.diagnosis.view import View
+from boom_mj.report.diagnosis.words import spoken
+
+LISTED = 6  # places
+
+
+def section(view: View) -> Section:
+    gaps = view.answer["gap"]["holdout"]
+    quiet = gaps["after"] is None or gaps["after"] <= QUIET
+    facts = {
+        "after": gaps["after"],
+        "quiet": quiet,
+        "share": share_left(gaps["before"], gaps["after"]) if view.corrected else None,
+        "looks": None if quiet else spoken(looks(view.campaign, view.after)),
+        "map": heat_map(view.cells_left) if view.corrected and not quiet else None,
+        "places": [cell for cell in view.cells_left if cell.gap > 1][:LISTED],
+        "corrected": view.corrected,
+    }
+    return Section("left", "What is left", facts)
+
+
+def share_left(before: float | None, after: float | None) -> float | None:
+    """Share of the squared gap above the floor that the explanation leaves; None where there was no gap."""
+    if before is None or after is None or before <= QUIET:
+        return None
+    return float(np.clip((after**2 - 1) / (before**2 - 1), 0, 1))

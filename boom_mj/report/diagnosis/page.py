@@ -1,0 +1,46 @@
+"""The page itself: sections in their order, one template each, one file that fetches nothing."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from boom_mj.gap import Diagnosis, document
+from boom_mj.logs import whole_file
+from boom_mj.report.diagnosis import boom, change, ladder, left, overlays, verdict, where
+from boom_mj.report.diagnosis.view import View
+from boom_mj.report.diagnosis.words import effect_name, gap_size, number, percent, place_name, spaced
+
+SECTIONS = (where, boom, ladder, overlays, change, left)
+
+
+def write_diagnosis(found: Diagnosis, names: Sequence[str], path: Path) -> None:
+    """Write a diagnosis as one HTML file with everything in it.
+
+    Args:
+        names: of the logs, training first, as the answer lists them.
+    """
+    text = diagnosis_page(found, names)
+    with whole_file(Path(path)) as stream:
+        stream.write(text.encode())
+
+
+def diagnosis_page(found: Diagnosis, names: Sequence[str]) -> str:
+    """The page as text."""
+    view = View(found, tuple(names), document(found, names))
+    head, *sections = (module.section(view) for module in (verdict, *SECTIONS))
+    return _environment().get_template("page.html").render(view=view, head=head, sections=sections)
+
+
+def _environment() -> Environment:
+    loader = PackageLoader("boom_mj.report.diagnosis")
+    found = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    found.filters.update(
+        number=number,
+        gap=gap_size,
+        place=lambda at: place_name(*at),
+        percent=percent,
+        effect_name=effect_name,
+        spaced=spaced,
+    )
+    return found

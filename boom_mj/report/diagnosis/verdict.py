@@ -1,0 +1,107 @@
+"""The verdict in words, the figures that carry it, and the effects with their sizes."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from boom_mj.gap import zero_offsets
+from boom_mj.report.diagnosis.section import Section
+from boom_mj.report.diagnosis.view import View
+from boom_mj.report.diagnosis.words import (
+    MINUS,
+    capital,
+    digits_of,
+    effect_name,
+    gap_size,
+    number,
+    percent,
+    physics,
+    spoken,
+)
+
+
+def section(view: View) -> Section:
+    answer = view.answer
+    return Section(
+        "verdict",
+        headline(answer),
+        {
+            "verdict": answer["verdict"],
+            "sentence": spoken(answer["sentence"]),
+            "figures": figures(view),
+            "effects": [row for effect in answer["effects"] or answer["suspect"] for row in rows(effect)],
+            "suspect": bool(answer["suspect"]),
+            "physics": {effect["id"]: physics(effect["id"]) for effect in answer["effects"] or answer["suspect"]},
+            "ties": [" + ".join(map(effect_name, tie)) for tie in _ties(view)],
+            "next_experiment": answer["next_experiment"],
+            "zero_offsets": [(k, f"{d:+.2f}".replace("-", MINUS)) for k, d in offsets(view)],
+        },
+    )
+
+
+def headline(answer: Mapping[str, Any]) -> str:
+    """The verdict in a few words."""
+    names = " and ".join(effect_name(effect) for effect in answer["effects"])
+    match answer["verdict"]:
+        case "consistent":
+            return "Simulator and machine agree"
+        case "unexplained":
+            return "No effect of the library explains the gap"
+        case "ambiguous":
+            others = ", or ".join(" and ".join(map(effect_name, tie)) for tie in answer["ties"][0][1:])
+            return f"{capital(names)}, or {others}"
+    several = len(answer["effects"]) > 1
+    return f"{capital(names)} {'explain' if several else 'explains'} the gap"
+
+
+def figures(view: View) -> list[tuple[str, str, str]]:
+    """Figure, what it is, what it means."""
+    gap = view.answer["gap"]
+    found = [
+        (
+            "Gap held out",
+            _fall(gap["holdout"], view.corrected),
+            "rms of measured less simulated, over noise; 1 is the floor",
+        ),
+        ("Gap in training", _fall(gap["train"], view.corrected), "the recordings that the fit has seen"),
+    ]
+    if view.corrected and gap["closure"] is not None and gap["holdout"]["before"] > 1:
+        low, high = gap["closure_interval"]
+        span = "" if low is None or high is None else f"95 % interval {percent(low)} to {percent(high)}"
+        found.append(("Closed, held out", percent(gap["closure"]), span))
+    if gap["fidelity_alone"] is not None:
+        meaning = "of the coarse model's gap, by more hinges alone"
+        found.append(("Finer model closes", percent(gap["fidelity_alone"]), meaning))
+    return found
+
+
+def rows(effect: Mapping[str, Any]) -> list[dict[str, str]]:
+    """One row per parameter of an effect."""
+    alone = effect["closure_alone"]
+    return [
+        {
+            "id": effect["id"],
+            "effect": effect_name(effect),
+            "parameter": name,
+            "value": number(p["value"], digits := digits_of(p["low"], p["high"])),
+            "interval": f"{number(p['low'], digits)} to {number(p['high'], digits)}",
+            "unit": p["unit"],
+            "alone": "" if alone is None else percent(alone),
+        }
+        for name, p in effect["parameters"].items()
+    ]
+
+
+def offsets(view: View) -> list[tuple[str, float]]:
+    """Zero offsets of the joint sensors that were estimated along, degrees."""
+    return [(name.replace("joint", "joint "), np.degrees(v)) for name, v in zero_offsets(view.found).values.items()]
+
+
+def _ties(view: View) -> list[Any]:
+    return view.answer["ties"][0] if view.answer["ties"] else []
+
+
+def _fall(gaps: Mapping[str, float | None], corrected: bool) -> str:
+    before, after = gaps["before"], gaps["after"]
+    return f"{gap_size(before)} → {gap_size(after)}" if corrected else gap_size(before)

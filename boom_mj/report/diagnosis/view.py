@@ -1,0 +1,150 @@
+"""What every section of the page reads: the diagnosis, its answer, residuals before and after, gaps by group."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from boom_mj.gap import Campaign, Diagnosis
+from boom_mj.gap.campaign import BLOCK
+from boom_mj.gap.metric import Metric
+from boom_mj.gap.where import Cell, locate, phase_of, sensor_place
+
+Array = np.ndarray
+SENSORS = ("accelerometer", "gyroscope", "marker", "cylinder")
+
+
+@dataclass(frozen=True)
+class Change:
+    """Gaps before and after the correction, of a part of the data."""
+
+    name: str
+    before: float
+    after: float
+
+
+@dataclass(frozen=True)
+class View:
+    """A diagnosis as the page shows it.
+
+    Attributes:
+        names: of the logs, training first.
+        answer: the document of the diagnosis.
+    """
+
+    found: Diagnosis
+    names: tuple[str, ...]
+    answer: Mapping[str, Any]
+
+    @property
+    def campaign(self) -> Campaign:
+        return self.found.metric.campaign
+
+    @property
+    def corrected(self) -> bool:
+        """Whether there is a correction to show beside the nominal model."""
+        return self.found.best is not None
+
+    @property
+    def before(self) -> Array:
+        """Whitened residual of the nominal model, (N,)."""
+        return self.found.nominal
+
+    @property
+    def after(self) -> Array:
+        """Whitened residual of the best explanation, (N,); the nominal one where there is none."""
+        return self.found.best.fit.residual if self.found.best else self.found.nominal
+
+    @cached_property
+    def nominal(self) -> Array:
+        """What the nominal model with its nuisances says, in units of the channels, (N,); NaN where hidden."""
+        return self._said(self.found.metric, self.before)
+
+    @cached_property
+    def explained(self) -> Array:
+        """What the best explanation says, in units of the channels, (N,); NaN where hidden."""
+        return self._said(self.metric, self.after)
+
+    @property
+    def metric(self) -> Metric:
+        """In which the best explanation was fitted."""
+        return self.found.best.metric if self.found.best else self.found.metric
+
+    def _said(self, metric: Metric, white: Array) -> Array:
+        seen = metric.weight > 0
+        return self.campaign.measured - np.where(seen, white / np.where(seen, metric.weight, 1.0), np.nan)
+
+    @cached_property
+    def cells(self) -> tuple[Cell, ...]:
+        """Where the nominal gap lies, in all recordings."""
+        return locate(self.campaign, self.before)
+
+    @cached_property
+    def cells_left(self) -> tuple[Cell, ...]:
+        """Where what is left lies, in all recordings."""
+        return locate(self.campaign, self.after)
+
+    @cached_property
+    def groups(self) -> tuple[str, ...]:
+        """Channel groups by sensor, link and direction."""
+        names = {channel.group for channel in self.campaign.channels}
+        return tuple(sorted(names, key=lambda name: (SENSORS.index(sensor_place(name)[0]), sensor_place(name)[1:])))
+
+    def recording_name(self, index: int) -> str:
+        """File name without its ending, or the experiment's name where there is no file."""
+        return Path(self.names[index]).stem if index < len(self.names) else self.campaign.recordings[index].name
+
+    def part(self, index: int) -> str:
+        """What a recording was used for."""
+        if self.campaign.split_in_time:
+            return "first 60 % training, rest held out"
+        return "training" if index < self.campaign.training else "held out"
+
+    def _titled(self, index: int) -> str:
+        name = self.recording_name(index)
+        return name if self.campaign.split_in_time else f"{name}, {self.part(index)}"
+
+    def change(self, name: str, rows: Array) -> Change:
+        """Gaps over some entries, (N,) of bool; NaN where there are none."""
+        before, after = (
+            float(np.sqrt(np.mean(r[rows] ** 2))) if rows.any() else np.nan for r in (self.before, self.after)
+        )
+        return Change(name, before, after)
+
+    def changes(self, labels: Sequence[str], rows: Array) -> dict[str, Change]:
+        """Gaps over some entries, by a label per channel; labels without entries are left out."""
+        return self.changes_within(np.repeat(np.asarray(labels), np.diff(self.campaign.offsets)), rows)
+
+    def changes_within(self, labels: Array, rows: Array) -> dict[str, Change]:
+        """Gaps over some entries, by a label per entry, (N,); labels without entries are left out."""
+        return {str(name): self.change(str(name), rows & (labels == name)) for name in np.unique(labels[rows])}
+
+    @cached_property
+    def phases(self) -> Array:
+        """What happens at every entry, (N,) of str."""
+        campaign = self.campaign
+        of = [phase_of(campaign, index) for index in range(len(campaign.recordings))]
+        parts = [
+            of[c.recording][np.minimum((c.time / BLOCK).astype(int), len(of[c.recording]) - 1)]
+            for c in campaign.channels
+        ]
+        return np.concatenate(parts)
+
+    @cached_property
+    def by_group(self) -> dict[str, Change]:
+        """Held-out gaps of every channel group, in the order of `groups`."""
+        found = self.changes([channel.group for channel in self.campaign.channels], self.campaign.held_out)
+        return {name: found[name] for name in self.groups if name in found}
+
+    @cached_property
+    def by_recording(self) -> list[Change]:
+        """Gaps of every recording that measured anything, with what it was used for."""
+        campaign = self.campaign
+        changes = [
+            self.change(self._titled(k), campaign.used & (campaign.recording_of == k))
+            for k in range(len(campaign.recordings))
+        ]
+        return [change for change in changes if np.isfinite(change.before)]

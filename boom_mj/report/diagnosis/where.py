@@ -1,0 +1,15 @@
+"""Where the gap of the nominal model lies."""
+
+from boom_mj.report.diagnosis.heat import heat_map
+from boom_mj.report.diagnosis.section import Section
+from boom_mj.report.diagnosis.view import View
+from boom_mj.report.diagnosis.words import place_name
+
+TOP = 3  # places in words
+
+
+def section(view: View) -> Section:
+    found = heat_map(view.cells)
+    top = sorted(found.rows, key=lambda row: -row.total.share)[:TOP]
+    facts = {"map": found, "top": [(place_name(row.sensor, row.link), row.total.share) for row in top]}
+    return Section("where", "Where it lies", facts)
