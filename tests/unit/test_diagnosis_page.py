@@ -1,0 +1,215 @@
+"""The page of a diagnosis: whole for every verdict, fetches nothing, believes no name, shows numbers only."""
+
+import re
+from dataclasses import replace
+from functools import cache
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from boom_mj.effects import make_effect
+from boom_mj.gap import Campaign, Diagnosis
+from boom_mj.gap.candidate import Candidate
+from boom_mj.gap.fit import Fit
+from boom_mj.gap.judge import Judged, closure, gap
+from boom_mj.gap.metric import Metric, tolerances
+from boom_mj.gap.screen import Screened
+from boom_mj.logs import read_log
+from boom_mj.machine import load_machine
+from boom_mj.recording import Recording, window
+from boom_mj.report import write_diagnosis
+from boom_mj.report.diagnosis.page import SECTIONS, diagnosis_page
+from boom_mj.report.diagnosis.view import View
+from boom_mj.report.diagnosis.words import digits_of, gap_size, number, percent, spoken
+
+ROOT = Path(__file__).parents[2]
+BOOM = load_machine(ROOT / "models" / "boom36.toml")
+HOSTILE = '<script src="https://evil.example/x.js"></script>'
+NAMES = ("one.mcap", f"{HOSTILE}.mcap", "\"'><img src=//evil.example onerror=alert(1)>.mcap")
+PAYLOAD = (make_effect("tip_payload", {"mass": 40.0}),)
+HEAVIER = (make_effect("link_mass", {"link": 5, "factor": 1.1}),)
+SOFT = (make_effect("hydraulic_compliance", {"joint": 3, "stiffness": 2e7}),)
+VERDICTS = ("consistent", "explained", "ambiguous", "unexplained", "unexplained without a suspect")
+
+
+def short_log() -> Recording:
+    log = read_log(ROOT / "logs" / "independent_release_stretched_vertical.mcap")
+    cut = {name: window(signal, 7.0, 11.0) for name, signal in log.signals.items()}
+    return replace(log, name=HOSTILE, signals=cut)
+
+
+@cache
+def campaign(training: int) -> Campaign:
+    return Campaign(BOOM, [short_log()] * 3, training, threads=1)
+
+
+def metric(training: int) -> Metric:
+    """Noise alone, without nuisances."""
+    c, nuisances = campaign(training), tolerances()
+    weight = np.where(c.used, 1 / c.noise, 0.0)
+    basis = np.zeros((len(weight), len(nuisances)))
+    return Metric(c, np.nan_to_num(c.measured), 0 * weight, weight, basis, nuisances, np.eye(len(nuisances)))
+
+
+def residual(m: Metric, size: float) -> np.ndarray:
+    """White, of a given gap."""
+    return np.where(m.campaign.used, size * np.random.default_rng(1).standard_normal(len(m.weight)), 0.0)
+
+
+def judged(m: Metric, effects: tuple, size: float) -> Judged:
+    candidate, left = Candidate(effects), residual(m, size)
+    count = len(candidate.knobs)
+    fit = Fit(candidate, candidate.start, effects, left, np.zeros((len(left), count)), np.array([]), 0.0)
+    train, held_out = (gap(m, left, rows) for rows in (m.campaign.train, m.campaign.held_out))
+    return Judged(fit, m, train, held_out, np.full(count, 0.02))
+
+
+def diagnosis(case: str, training: int = 2) -> Diagnosis:
+    m, verdict = metric(training), case.split()[0]
+    before = 1.0 if verdict == "consistent" else 8.0
+    after = 4.0 if verdict == "unexplained" else 1.05
+    contest = (judged(m, PAYLOAD, min(before, after)), judged(m, HEAVIER, 1.2 * before), judged(m, SOFT, 1e6))
+    best = None if case in ("consistent", VERDICTS[-1]) else contest[0]
+    ties = contest[1:2] if verdict == "ambiguous" else ()
+    nominal = residual(m, before)
+    share = closure(m, nominal, best.fit.residual if best else nominal, m.campaign.held_out)
+    following = "release_bow_vertical" if ties else None
+    screened = tuple(Screened(Candidate(effects), 0.3) for effects in (PAYLOAD, (make_effect("end_hose", {}),)))
+    return Diagnosis(verdict, best, contest, ties, screened, nominal, share, 0.1, following, m)
+
+
+@cache
+def page(case: str, training: int = 2) -> str:
+    return diagnosis_page(diagnosis(case, training), NAMES)
+
+
+class Reader(HTMLParser):
+    """Walks a page and keeps what it needs to be judged by; every element must be closed where it was opened."""
+
+    VOID = ("meta", "link", "img", "br", "hr", "input", "col")
+
+    def __init__(self, text: str):
+        super().__init__()
+        self.open: list[str] = []
+        self.tags: list[str] = []
+        self.attributes: list[tuple[str, str, str]] = []
+        self.words: list[str] = []
+        self.feed(text)
+        self.close()
+        assert not self.open, f"never closed: {self.open}"
+
+    def handle_startendtag(self, tag: str, attrs: list) -> None:
+        self.tags.append(tag)
+        self.attributes += [(tag, name, value or "") for name, value in attrs]
+
+    def handle_starttag(self, tag: str, attrs: list) -> None:
+        self.handle_startendtag(tag, attrs)
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open and self.open[-1] == tag, f"</{tag}> closes {self.open[-3:]}"
+        self.open.pop()
+
+    def handle_data(self, data: str) -> None:
+        self.words.append(data)
+
+    def values(self, name: str) -> list[str]:
+        return [value for _, found, value in self.attributes if found == name]
+
+
+def links(reader: Reader) -> list[str]:
+    return [value for name in ("href", "xlink:href", "src") for value in reader.values(name)]
+
+
+@pytest.mark.parametrize("case", VERDICTS)
+def test_the_page_is_whole(case: str) -> None:
+    reader = Reader(page(case))
+    ids = reader.values("id")
+    assert len(ids) == len(set(ids))
+    assert {module.__name__.rpartition(".")[2] for module in SECTIONS} <= set(ids)
+    assert {value[1:] for value in links(reader) if value.startswith("#")} <= set(ids)
+    assert reader.tags.count("svg") > 5
+    pictures = [tag for tag, name, value in reader.attributes if (name, value) == ("role", "img")]
+    assert len(pictures) <= len([value for value in reader.values("aria-label") if value])
+    assert case.split()[0] in "".join(reader.words)
+
+
+@pytest.mark.parametrize("case", VERDICTS)
+def test_the_page_fetches_nothing(case: str) -> None:
+    reader = Reader(page(case))
+    assert not {"script", "link", "img", "iframe", "object", "base"} & set(reader.tags)
+    assert all(value.startswith(("#", "data:image/png;base64,")) for value in links(reader))
+    assert not [name for _, name, _ in reader.attributes if name.startswith("on")]
+    assert re.findall(r"url\((?!#)|@import|https?:", page(case).replace("https://evil.example", "")) == []
+
+
+def test_names_are_shown_and_not_believed() -> None:
+    text = page("explained")
+    assert "&lt;script src=" in text
+    assert HOSTILE in "".join(Reader(text).words)
+
+
+@pytest.mark.parametrize(("case", "training"), [*((case, 2) for case in VERDICTS), ("explained", 3)])
+def test_all_numbers_are_numbers(case: str, training: int) -> None:
+    reader = Reader(page(case, training))
+    shown = [*reader.words, *(value for _, _, value in reader.attributes if not value.startswith("data:"))]
+    assert [text for text in shown if re.search(r"\b(nan|inf)\b", text, re.IGNORECASE)] == []
+    assert [text for text in reader.words if re.search(r"\bNone\b", text)] == []
+
+
+def test_the_verdict_is_told() -> None:
+    words = {case: "".join(Reader(page(case)).words) for case in VERDICTS}
+    assert "Simulator and machine agree" in words["consistent"]
+    assert "Tip payload explains the gap" in words["explained"]
+    assert "release_bow_vertical" in words["ambiguous"]
+    assert "link mass (link 5)" in words["ambiguous"]
+    assert "does not explain enough" in words["unexplained"]
+    assert "corrected model" not in words["consistent"]
+
+
+def test_gaps_before_and_after_are_those_of_the_residuals() -> None:
+    found = diagnosis("explained")
+    view = View(found, NAMES, {})
+    held_out = found.metric.campaign.held_out
+    for residuals, side in ((found.nominal, "before"), (found.best.fit.residual, "after")):
+        rows = [c for c in found.metric.campaign.channels if c.recording == 2]
+        counts: dict[str, int] = {}
+        for channel in rows:
+            counts[channel.group] = counts.get(channel.group, 0) + int(np.isfinite(channel.measured).sum())
+        total = sum(counts[name] * getattr(change, side) ** 2 for name, change in view.by_group.items())
+        assert total == pytest.approx(float(residuals[held_out] @ residuals[held_out]), rel=1e-12)
+    assert np.nanmax(np.abs((view.campaign.measured - view.nominal) * found.metric.weight - found.nominal)) < 1e-6
+
+
+def test_the_file_is_written(tmp_path: Path) -> None:
+    write_diagnosis(diagnosis("explained"), NAMES, tmp_path / "page.html")
+    text = (tmp_path / "page.html").read_text()
+    assert text.startswith("<!DOCTYPE html>")
+    assert text.rstrip().endswith("</html>")
+
+
+@pytest.mark.parametrize(
+    ("said", "text"),
+    [
+        (number(52.3549, 4), "52.35"),
+        (number(1.8318e7), "1.83·10⁷"),
+        (number(2.5e-6, 2), "2.5·10⁻⁶"),
+        (number(None), "no bound"),
+        (number(12345.0), "12345"),
+        (gap_size(0.993), "0.99"),
+        (gap_size(13.808), "13.8"),
+        (gap_size(float("nan")), "\N{EN DASH}"),
+        (percent(0.98743), "99\N{NO-BREAK SPACE}%"),
+        (percent(0.002), "0.2\N{NO-BREAK SPACE}%"),
+        (digits_of(52.207, 52.503), 4),
+        (
+            spoken("Tip_payload closes 9% on link5; slew_t tells"),
+            "Tip payload closes 9\N{NO-BREAK SPACE}% on link 5; slew_t tells",
+        ),
+    ],
+)
+def test_words(said: object, text: object) -> None:
+    assert said == text
