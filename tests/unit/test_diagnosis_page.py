@@ -70,7 +70,11 @@ def diagnosis(case: str, training: int = 2) -> Diagnosis:
     m, verdict = metric(training), case.split()[0]
     before = 1.0 if verdict == "consistent" else 8.0
     after = 4.0 if verdict == "unexplained" else 1.05
-    contest = (judged(m, PAYLOAD, min(before, after)), judged(m, HEAVIER, 1.2 * before), judged(m, SOFT, 1e6))
+    contest = (
+        judged(m, PAYLOAD, min(before, after)),
+        judged(m, HEAVIER, 1.1 if verdict == "ambiguous" else 1.2 * before),
+        judged(m, SOFT, 1e6),
+    )
     best = None if case in ("consistent", VERDICTS[-1]) else contest[0]
     ties = contest[1:2] if verdict == "ambiguous" else ()
     nominal = residual(m, before)
@@ -167,6 +171,7 @@ def test_the_verdict_is_told() -> None:
     assert "release_bow_vertical" in words["ambiguous"]
     assert "link mass (link 5)" in words["ambiguous"]
     assert "does not explain enough" in words["unexplained"]
+    assert "raises the gap" in words["explained"]
     assert "corrected model" not in words["consistent"]
 
 

@@ -91,5 +91,6 @@ def gap_axis(axes: Axes, values: Array) -> None:
 
 
 def gap_ticks(low: float, high: float) -> list[float]:
-    """1, 2, 5, 10, .. within a range."""
-    return [m * 10.0**k for k in range(-2, 5) for m in (1, 2, 5) if low <= m * 10.0**k <= high]
+    """1, 2, 5, 10, .. within a range; powers of ten alone where it is wide."""
+    steps = (1, 2, 5) if high < 200 * low else (1,)
+    return [m * 10.0**k for k in range(-2, 7) for m in steps if low <= m * 10.0**k <= high]

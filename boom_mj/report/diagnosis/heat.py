@@ -82,4 +82,4 @@ def heat_map(cells: Sequence[Cell]) -> HeatMap:
 def shade(share: float, darkest: float) -> Shade:
     """The colour of a share, by its root: a quarter of the darkest is half as dark."""
     depth = float(np.sqrt(min(max(share, 0.0) / darkest, 1.0)))
-    return Shade(share, to_hex(HEAT(depth)), "#ffffff" if depth > 0.72 else "#222222")
+    return Shade(share, to_hex(HEAT(depth)), "#ffffff" if depth > 0.8 else "#222222")

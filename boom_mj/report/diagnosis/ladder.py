@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from boom_mj.gap.answer import rival
+from boom_mj.gap.judge import Judged
 from boom_mj.report.diagnosis.drawing import gap_ticks
 from boom_mj.report.diagnosis.section import Section
 from boom_mj.report.diagnosis.view import View
@@ -42,10 +43,9 @@ def section(view: View) -> Section:
 
     rungs = [rung("nominal model", "nominal", *nominal, "nothing added")]
     for judged in view.found.contest:
-        found, own = rival(view.found, judged), judged is view.found.best
-        tied = judged in view.found.ties
-        name = " + ".join(effect_name(part) for part in (found, *found["with"]))
-        why = _own(view) if own else spoken(found["why_not"])
+        own, tied = judged is view.found.best, judged in view.found.ties
+        name = " + ".join(effect_name({"id": e.id, "location": e.location}) for e in judged.fit.effects)
+        why = _own(view) if own else _why_not(view, judged, nominal)
         role = "best" if own else "tie" if tied else "rival"
         rungs.append(rung(name, role, judged.train, judged.held_out, why))
     ticks = [(tick, at(tick)) for tick in gap_ticks(low, high)]
@@ -66,6 +66,15 @@ def _own(view: View) -> str:
         case "consistent":
             return "lowers a gap that needs no explanation"
     return "the explanation"
+
+
+def _why_not(view: View, judged: Judged, nominal: tuple[float, float]) -> str:
+    """Why a rival lost; what it closes only where it closes anything."""
+    if not judged.held_out > nominal[1]:
+        return spoken(rival(view.found, judged)["why_not"])
+    if judged.train < nominal[0]:
+        return "raises the held-out gap, though it lowers that in training"
+    return "raises the gap"
 
 
 def _fitted(view: View) -> set[tuple]:

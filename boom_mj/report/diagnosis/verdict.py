@@ -10,6 +10,7 @@ from boom_mj.report.diagnosis.section import Section
 from boom_mj.report.diagnosis.view import View
 from boom_mj.report.diagnosis.words import (
     MINUS,
+    SPACE,
     capital,
     digits_of,
     effect_name,
@@ -95,7 +96,9 @@ def rows(effect: Mapping[str, Any]) -> list[dict[str, str]]:
 
 def offsets(view: View) -> list[tuple[str, float]]:
     """Zero offsets of the joint sensors that were estimated along, degrees."""
-    return [(name.replace("joint", "joint "), np.degrees(v)) for name, v in zero_offsets(view.found).values.items()]
+    return [
+        (name.replace("joint", f"joint{SPACE}"), np.degrees(v)) for name, v in zero_offsets(view.found).values.items()
+    ]
 
 
 def _ties(view: View) -> list[Any]:
