@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from boom_mj.cli.arguments import Hinges, find_machine
+from boom_mj.cli.arguments import Hinges, find_machine, output_path
 from boom_mj.cli.progress import progress
 from boom_mj.errors import InputError
 from boom_mj.logs import read_log, write_mcap
@@ -58,6 +58,8 @@ def command(
     from boom_mj.cameras.rig import rig_of
     from boom_mj.cameras.shooting import Look, frames_of
 
+    if sheet is not None:
+        output_path(sheet, ".png")
     wanted, drawn = _choice(layout, LAYOUTS, "layout"), _choice(randomise, KINDS, "randomise")
     trajectory, recording = _motion(what, experiment, machine, hinges)
     last = float(recording.duration if stop is None else stop)
