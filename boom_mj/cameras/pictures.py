@@ -8,7 +8,6 @@ import numpy as np
 
 from boom_mj.cameras.chain import Tracking
 from boom_mj.cameras.dataset import Dataset, write_bytes
-from boom_mj.cameras.view import View
 from boom_mj.errors import RenderError
 
 Array = np.ndarray
@@ -29,12 +28,29 @@ def contact_sheet(folder: Path, dataset: Dataset, path: Path, rows: int = 4) -> 
 
 
 def overlay(folder: Path, tracking: Tracking, time: float, path: Path) -> None:
-    """Every camera at an instant: outlines of the tracked plates, crosses where the positions project to."""
+    """Every camera at an instant: outlines of the tracked plates, crosses where the positions project to.
+
+    Whole pictures above, below them what is around the outermost marker in sight, pixel by pixel.
+    """
     names = list(tracking.tracks)
-    pictures = [_shrunk(annotated(folder, tracking, name, time), SHEET_WIDTH // len(names) - GAP) for name in names]
-    if len(names) == 1:
-        pictures = [annotated(folder, tracking, names[0], time)]
-    write_bytes(path, _encoded(np.hstack([_framed(picture) for picture in pictures]), path))
+    width = SHEET_WIDTH // len(names) - GAP
+    whole = [_framed(annotated(folder, tracking, name, time, width)) for name in names]
+    height = max(picture.shape[0] for picture in whole)
+    near = [_framed(_around_tip(folder, tracking, name, time, (width, height - GAP))) for name in names]
+    rows = [[_padded(picture, height) for picture in row] for row in (whole, near)]
+    write_bytes(path, _encoded(np.vstack([np.hstack(row) for row in rows]), path))
+
+
+def _around_tip(folder: Path, tracking: Tracking, camera: str, time: float, size: tuple[int, int]) -> Array:
+    """The part of a picture around the last marker that a camera sees, (height, width, 3)."""
+    picture = annotated(folder, tracking, camera, time)
+    view = tracking.places[camera].view
+    pixels = view.project(tracking.positions.position[int(np.argmin(np.abs(tracking.time - time)))])
+    inside = pixels[view.intrinsics.contains(pixels)]
+    middle = inside[-1] if len(inside) else np.array(picture.shape[1::-1]) / 2
+    limit = np.maximum(np.array(picture.shape[1::-1]) - size, 0)
+    left, top = np.clip(middle - np.array(size) / 2, 0, limit).astype(int)
+    return picture[top : top + size[1], left : left + size[0]]
 
 
 def video(folder: Path, tracking: Tracking, camera: str, path: Path, width: int = 960, speed: float = 1.0) -> None:
@@ -44,7 +60,7 @@ def video(folder: Path, tracking: Tracking, camera: str, path: Path, width: int 
     part, writer = path.with_name(f".{path.stem}.part{path.suffix}"), None
     try:
         for stamp in stamps:
-            picture = _shrunk(annotated(folder, tracking, camera, stamp), width)
+            picture = annotated(folder, tracking, camera, stamp, width)
             picture = picture[: picture.shape[0] // 2 * 2, : picture.shape[1] // 2 * 2]
             if writer is None:
                 size = (picture.shape[1], picture.shape[0])
@@ -69,36 +85,41 @@ def _refuse_torn(part: Path, frames: int, path: Path) -> None:
         raise RenderError(f"{path} cannot be written: {found} of {frames} frames arrived; is the disk full?")
 
 
-def annotated(folder: Path, tracking: Tracking, camera: str, time: float) -> Array:
-    """The frame of a camera nearest to a time, with plates as they were tracked and markers as they project."""
-    track, place = tracking.tracks[camera], tracking.places[camera]
+def annotated(folder: Path, tracking: Tracking, camera: str, time: float, width: int | None = None) -> Array:
+    """The frame of a camera nearest to a time, with plates as they were tracked and markers as they project.
+
+    Args:
+        width: to shrink the picture to before anything is drawn, px.
+    """
+    track, view = tracking.tracks[camera], tracking.places[camera].view
     frames = sorted((f for f in tracking.dataset.frames if f.camera == camera), key=lambda frame: frame.stamp)
     row = int(np.argmin(np.abs(track.stamp - time)))
     picture = _read(folder / frames[row].file)
+    factor = min(1.0, width / picture.shape[1]) if width else 1.0
+    picture = _shrunk(picture, round(factor * picture.shape[1]))
     plates = {plate.name: plate for plate in tracking.dataset.plates}
     for k, name in enumerate(track.names):
         sighting = track.sighting(row, k)
         if sighting is not None:
-            _outline(picture, sighting.corners(place.view.intrinsics, plates[name].size))
+            corners = sighting.corners(view.intrinsics, plates[name].size)
+            _outline(picture, (corners + 0.5) * factor - 0.5, 1 if factor < 1 else 2)
     nearest = int(np.argmin(np.abs(tracking.time - time)))
-    for number, position in enumerate(tracking.positions.position[nearest]):
-        _cross(picture, place.view, position, str(number + 1))
+    pixels = view.project(tracking.positions.position[nearest])
+    for number in np.flatnonzero(view.intrinsics.contains(pixels)):
+        _cross(picture, (pixels[number] + 0.5) * factor - 0.5, str(number + 1))
     return picture
 
 
-def _outline(picture: Array, corners: Array) -> None:
+def _outline(picture: Array, corners: Array, width: int) -> None:
     points = np.round(corners * 16).astype(np.int32)
-    cv2.polylines(picture, [points], True, MEASURED, 2, cv2.LINE_AA, 4)
+    cv2.polylines(picture, [points], True, MEASURED, width, cv2.LINE_AA, 4)
 
 
-def _cross(picture: Array, view: View, position: Array, text: str) -> None:
-    pixel = view.project(position)
-    if not view.intrinsics.contains(pixel):
-        return
+def _cross(picture: Array, pixel: Array, text: str) -> None:
     place = (round(float(pixel[0])), round(float(pixel[1])))
-    cv2.drawMarker(picture, place, PROJECTED, cv2.MARKER_CROSS, 18, 2, cv2.LINE_AA)
-    where = (place[0] + 8, place[1] - 16)
-    cv2.putText(picture, text, where, cv2.FONT_HERSHEY_SIMPLEX, 0.7, PROJECTED, 2, cv2.LINE_AA)
+    cv2.drawMarker(picture, place, PROJECTED, cv2.MARKER_CROSS, 12, 1, cv2.LINE_AA)
+    where = (place[0] + 5, place[1] - 9)
+    cv2.putText(picture, text, where, cv2.FONT_HERSHEY_SIMPLEX, 0.45, PROJECTED, 1, cv2.LINE_AA)
 
 
 def _read(path: Path) -> Array:
@@ -116,6 +137,12 @@ def _shrunk(picture: Array, width: int) -> Array:
 def _framed(picture: Array) -> Array:
     half = GAP // 2
     return cv2.copyMakeBorder(picture, half, half, half, half, cv2.BORDER_CONSTANT, value=(255, 255, 255))
+
+
+def _padded(picture: Array, height: int) -> Array:
+    return cv2.copyMakeBorder(
+        picture, 0, height - picture.shape[0], 0, 0, cv2.BORDER_CONSTANT, value=(255, 255, 255)
+    )  # fmt: skip
 
 
 def _encoded(picture: Array, path: Path) -> bytes:
