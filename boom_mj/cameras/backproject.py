@@ -178,7 +178,7 @@ def _agreeing(
 ) -> tuple[Array, int]:
     """Sightings without those that contradict the rest, and how many positions are refused for want of a majority."""
     use = use.copy()
-    wrong = np.nanmax(np.where(use, residual, 0.0), axis=0) > CONTRADICTION
+    wrong = (np.nanmax(np.where(use, residual, 0.0), axis=0) > CONTRADICTION) & (use.sum(axis=0) > 1)
     undecided = wrong & (use.sum(axis=0) == 2)
     use[:, undecided] = False
     refused = int(undecided.sum())

@@ -142,6 +142,17 @@ def test_a_wrong_match_is_left_out_and_an_undecidable_one_gives_no_position() ->
     assert found.cameras[0, 1] == 2 and found.contradictory == 1
 
 
+@pytest.mark.parametrize("far_off", [0.0, 3.0])  # of the ideal point: a wrong match may lie anywhere
+def test_a_marker_that_one_camera_sees_has_no_position(far_off: float) -> None:
+    slewing = np.zeros(1)
+    markers, ideal = planted(slewing), sightings(planted(slewing), slewing)
+    ideal[0][0, 3] += far_off
+    ideal[1][0, 3] = ideal[2][0, 3] = np.nan
+    found = back_project(CAMERAS, ideal, [np.full((1, 4), 0.02)] * 3, OFFSET, LATERAL)
+    assert np.isnan(found.position[0, 3]).all() and found.contradictory == 0
+    assert np.abs(found.position[0, :3] - markers[0, :3]).max() < 1e-6
+
+
 def test_covariance_is_the_scatter() -> None:
     rng, slewing = np.random.default_rng(3), np.zeros(400)
     markers, sigma = planted(slewing), 0.3
