@@ -22,7 +22,7 @@ from boom_mj.cameras.film import film_of
 from boom_mj.cameras.intrinsics import Intrinsics
 from boom_mj.cameras.rig import rig_of
 from boom_mj.cameras.studio import Studio, choose_headless
-from boom_mj.cameras.targets import Plate
+from boom_mj.cameras.targets import SIDES, Plate
 from boom_mj.cameras.view import View
 from boom_mj.logs import read_mcap
 from boom_mj.logs.pictures import COVARIANCE
@@ -48,8 +48,6 @@ SPOILT = {  # what: arguments of render
     "noise, blur and rolling shutter": ("--noise", "--blur", "2", "--rolling", "3"),
     "half the resolution": ("--scale", "0.5"),
 }
-WRONG = 0.1  # m of error from which a position counts as wrong
-SEEN = 0.99  # visible share of a plate that counts as in sight
 
 
 def boom(*arguments: object) -> str:
@@ -205,13 +203,17 @@ def marker_rows(name: str) -> Iterator[str]:
     yield f"| **all** | {share:.1f} | **{x:.1f}** | **{y:.1f}** | **{z:.1f}** | {largest:.1f} |"
 
 
+def covariances(name: str) -> Array:
+    """Stated covariances, (n, 12, 3, 3), m^2."""
+    with (WORK / f"{name}.mcap").open("rb") as stream:
+        messages = make_reader(stream, decoder_factories=[DecoderFactory()]).iter_decoded_messages([COVARIANCE])
+        return np.array([decoded.data for *_, decoded in messages]).reshape(-1, 12, 3, 3)
+
+
 def pull(name: str) -> Array:
     """Rms of error over stated standard deviation along x, y, z; 1 if covariances tell the truth."""
     _, found, truth = markers(name)
-    with (WORK / f"{name}.mcap").open("rb") as stream:
-        messages = make_reader(stream, decoder_factories=[DecoderFactory()]).iter_decoded_messages([COVARIANCE])
-        covariance = np.array([message.data for *_, message in messages]).reshape(*found.shape, 3)
-    return rms((found - truth) / np.sqrt(np.einsum("nmaa->nma", covariance)), axis=(0, 1))
+    return rms((found - truth) / np.sqrt(np.einsum("nmaa->nma", covariances(name))), axis=(0, 1))
 
 
 def first_frequency(time: Array, height: Array) -> tuple[float, float]:
@@ -267,29 +269,33 @@ def tip_speed(name: str) -> float:
     return float(np.linalg.norm(np.diff(truth, axis=0), axis=2).max() / np.diff(time).min())
 
 
-def occlusion(name: str) -> dict[str, float]:
-    """What becomes of markers that plates, links and the truck hide, over all frames and markers."""
+def occlusion_rows(name: str) -> Iterator[str]:
+    """By how well two cameras see a marker: how often, how often with a position, errors in mm and in deviations."""
     _, found, truth = markers(name)
-    views = [labels(name, camera) for camera in RIG]
-    clear = np.zeros((*found.shape[:2], 2), int)  # sightings with a plate wholly, and at all, in sight
-    for frames in views:
-        for row, label in enumerate(frames):
-            for k in range(found.shape[1]):
-                seen = [label["plates"][f"marker{k + 1}_{side}"]["visible"] for side in ("left", "right")]
-                clear[row, k] += [max(seen) >= SEEN, max(seen) > 0]
-    there, error = np.isfinite(found[..., 0]), np.linalg.norm(found - truth, axis=2)
-    hidden, open_ = clear[..., 1] < 2, clear[..., 0] >= 2
-    return {
-        "hidden": 100 * hidden.mean(),
-        "hidden_given": 100 * there[hidden].mean() if hidden.any() else 0.0,
-        "open_given": 100 * there[open_].mean(),
-        "given": 100 * there.mean(),
-        "wrong": int((error[there] > WRONG).sum()),
-        "positions": int(there.sum()),
-        "largest": 1000 * float(error[there].max()),
-        "rms": 1000 * rms(found - truth, axis=(0, 1)),
-        "p999": 1000 * float(np.quantile(error[there], 0.999)),
+    share = np.zeros((len(RIG), *found.shape[:2]))  # of a marker's plate that each camera sees
+    for frames, seen in zip((labels(name, camera) for camera in RIG), share):
+        for label, row in zip(frames, seen):
+            plates = [[label["plates"][f"marker{k + 1}_{side}"]["visible"] for side in SIDES] for k in range(len(row))]
+            row[:] = np.max(plates, axis=1)
+    second, there = np.sort(share, axis=0)[-2], np.isfinite(found[..., 0])
+    error = found - truth
+    distance = 1000 * np.linalg.norm(error, axis=2)
+    sigmas = np.sqrt(np.einsum("nma,nmab,nmb->nm", error, np.linalg.inv(covariances(name)), error))
+    groups = {
+        "two whole plates": second > 0.99,
+        "half of two plates or more": (second >= 0.5) & (second <= 0.99),
+        "less": (second > 0) & (second < 0.5),
+        "nothing of the second": second == 0,
+        "**all**": second >= 0,
     }
+    for what, chosen in groups.items():
+        given = chosen & there
+        line = f"| {what} | {100 * chosen.mean():.1f} | {100 * given.sum() / max(chosen.sum(), 1):.1f} |"
+        if not given.any():
+            yield line + " | | | |"
+            continue
+        x, y, z = 1000 * rms(error[given], axis=0)
+        yield line + f" {x:.1f}, {y:.1f}, {z:.1f} | {distance[given].max():.1f} | {sigmas[given].max():.1f} |"
 
 
 def speed() -> tuple[list[str], list[str]]:
@@ -331,7 +337,7 @@ def main() -> None:
         "frequency": f"{seen:.4f} +- {error:.4f} Hz seen, {true:.4f} Hz true, {100 * (seen / true - 1):+.3f} %",
         "speed": f"{tip_speed('vertical'):.1f}",
         "spoilt": "\n".join(spoilt_rows()),
-        **{name: _plain(value) for name, value in occlusion("fold_in").items()},
+        "hidden": "\n".join(occlusion_rows("fold_in")),
         "loops": "\n".join(loops),
         "workers": "\n".join(workers),
     }
@@ -341,12 +347,6 @@ def main() -> None:
         text = text.replace("{" + name + "}", value)
     (ROOT / "docs" / "cameras.md").write_text(text)
     print(text)
-
-
-def _plain(value: float | int | Array) -> str:
-    if isinstance(value, int):
-        return f"{value:,}".replace(",", " ")
-    return ", ".join(f"{v:.1f}" for v in np.atleast_1d(value))
 
 
 if __name__ == "__main__":

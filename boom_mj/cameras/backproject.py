@@ -18,6 +18,7 @@ Array = np.ndarray
 CONTRADICTION = 2.5  # px, of a sighting that does not fit the others
 MODEL = 0.05  # px: what lens and plate leave unexplained
 VAGUE = 0.2  # m, standard deviation from which a position says nothing
+MODEL_LATERAL = 0.01  # m: by how far a bending boom leaves its plane
 SINGULAR = 1e-3  # px^2/m^2, added to information that is missing
 ROUNDS, ANGLE_ROUNDS = 8, 4
 
@@ -70,8 +71,8 @@ def _turned(
     """q1 in every frame, NaN where unknown, and the same with the last guess there, (n,) each."""
     known = np.zeros(points.shape[1])
     for _ in range(ANGLE_ROUNDS):
-        position = _solved(cameras, points, spread, use, offset, known)[0]
-        slewing = _slewing(position, lateral, cameras, use, offset)
+        position, _, covariance = _solved(cameras, points, spread, use, offset, known)
+        slewing = _slewing(position, covariance, lateral, cameras, use, offset)
         known = np.where(np.isfinite(slewing), slewing, known)
     return slewing, known
 
@@ -137,8 +138,13 @@ def _by_point(inside: Array, focal: Array) -> Array:
     return rows * focal[:, None]
 
 
-def _slewing(position: Array, lateral: Array, cameras: Sequence[PlacedCamera], use: Array, offset: Array) -> Array:
-    """q1 at which right_hand(q1) . p = lateral in the least squares sense, (n,), rad; NaN with less than 2 markers."""
+def _slewing(
+    position: Array, covariance: Array, lateral: Array, cameras: Sequence[PlacedCamera], use: Array, offset: Array
+) -> Array:
+    """q1 at which right_hand(q1) . p = lateral in the least squares sense, (n,), rad; NaN with less than 2 markers.
+
+    Weighted: a marker between opposite cameras may be metres off along the normal.
+    """
     found = np.full(len(position), np.nan)
     for row, points in enumerate(position):
         there = np.isfinite(points).all(axis=1)
@@ -149,9 +155,11 @@ def _slewing(position: Array, lateral: Array, cameras: Sequence[PlacedCamera], u
         starts = np.arctan2(far[1], far[0]) + np.array([0.0, np.pi])
         angle = max(starts, key=lambda q: _facing(q, points, cameras, use[:, row], offset))
         for _ in range(10):
-            away = p @ right_hand(np.array(angle)) - aside
+            normal = right_hand(np.array(angle))
+            away = p @ normal - aside
             by = p @ np.array([np.cos(angle), np.sin(angle), 0.0])
-            step = -(by @ away) / max(by @ by, 1e-9)
+            weight = 1 / (normal @ covariance[row, there] @ normal + MODEL_LATERAL**2)
+            step = -(weight * by @ away) / max(weight * by @ by, 1e-9)
             angle = angle + step
         found[row] = (angle + np.pi) % (2 * np.pi) - np.pi
     return found

@@ -142,6 +142,17 @@ def test_a_wrong_match_is_left_out_and_an_undecidable_one_gives_no_position() ->
     assert found.cameras[0, 1] == 2 and found.contradictory == 1
 
 
+def test_a_marker_between_opposite_cameras_does_not_turn_the_boom() -> None:
+    rng, slewing = np.random.default_rng(5), np.zeros(30)
+    markers = planted(slewing)
+    markers[:, 3] = CAMERAS[0].view.position + 0.531 * (CAMERAS[1].view.position - CAMERAS[0].view.position)
+    lateral = -markers[0, :, 1]
+    noisy = [points + 0.1 / 1300 * rng.normal(size=points.shape) for points in sightings(markers, slewing)]
+    noisy[2][:, 3] = np.nan  # its y is nearly free
+    found = back_project(CAMERAS, noisy, [np.full((30, 4), 0.1)] * 3, OFFSET, lateral)
+    assert np.abs(found.slewing).max() < 0.001  # rad: 10 mm at the third marker
+
+
 @pytest.mark.parametrize("far_off", [0.0, 3.0])  # of the ideal point: a wrong match may lie anywhere
 def test_a_marker_that_one_camera_sees_has_no_position(far_off: float) -> None:
     slewing = np.zeros(1)
