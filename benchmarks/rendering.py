@@ -1,6 +1,6 @@
 """How fast labelled pictures are made, against a bare mujoco.Renderer loop with the same encoding.
 
-Run: .venv/bin/python benchmarks/rendering.py [-o RESULT.json]   (about 5 minutes on two cores)
+Run: MUJOCO_GL=egl .venv/bin/python benchmarks/rendering.py [-o RESULT.json]   (about 5 minutes on two cores)
 The loops take turns over the same instants in one process; medians of wall and CPU seconds per frame. Whole data sets
 include the start of their processes.
 """
@@ -21,7 +21,7 @@ from boom_mj.cameras.film import Film, film_of
 from boom_mj.cameras.lens import Lens
 from boom_mj.cameras.rig import rig_of
 from boom_mj.cameras.shooting import Frame, Look, frames_of, render_frames, shoot
-from boom_mj.cameras.studio import Studio, choose_headless, open_renderer
+from boom_mj.cameras.studio import Studio, open_renderer
 from boom_mj.machine import load_machine
 from boom_mj.simulation import CATALOGUE, make_plant, run_experiment
 
@@ -95,7 +95,6 @@ def whole(film: Film, workers: int) -> float:
 
 
 def main() -> None:
-    choose_headless()
     plant = make_plant(load_machine(ROOT / "models" / "boom36.toml"), 1)
     motion = run_experiment(plant, CATALOGUE["release_stretched_vertical"])
     ideal, real = (film_of(motion, rig_of(plant.machine, distortion=bent)) for bent in (False, True))

@@ -1,13 +1,14 @@
 """How well cameras measure a boom: geometry, errors of tracked markers, what spoils them. Writes docs/cameras.md.
 
-Run: .venv/bin/python scripts/cameras.py   (about an hour on two cores; pictures stay in out/cameras, 6 GB, and what is
-there is not made again, so that it can be stopped and started at any time)
+Run: MUJOCO_GL=egl .venv/bin/python scripts/cameras.py   (about an hour on two cores; pictures stay in out/cameras,
+6 GB, and what is there is not made again, so that it can be stopped and started at any time)
 """
 
 import json
 import subprocess
 import sys
 from collections.abc import Iterator
+from itertools import product
 from pathlib import Path
 
 import cv2
@@ -17,11 +18,11 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from scipy.optimize import least_squares
 
-from boom_mj.cameras.dressing import add_cameras
+from boom_mj.cameras.dressing import THICKNESS, add_cameras
 from boom_mj.cameras.film import film_of
 from boom_mj.cameras.intrinsics import Intrinsics
 from boom_mj.cameras.rig import rig_of
-from boom_mj.cameras.studio import Studio, choose_headless
+from boom_mj.cameras.studio import Studio
 from boom_mj.cameras.targets import SIDES, Plate
 from boom_mj.cameras.view import View
 from boom_mj.logs import read_mcap
@@ -120,52 +121,62 @@ def _camprojection(view: View, points: Array) -> Array:
 
 
 def centroid_errors(name: str) -> Array:
-    """Distances of the centroids of rendered plates from those of their projected corners, px.
+    """Distances of the centroids of rendered marker plates from those of their projected outlines, px.
 
-    Ideal lenses; plates that are wholly in sight. Pixels are those whose middle shows the plate.
+    Ideal lenses; plates that are wholly in sight. How much of a pixel a plate covers is the difference of two pictures:
+    one with the plates of one side shining, one with black ones.
     """
-    plant, found = make_plant(MACHINE, 1), []
-    film = film_of(run_experiment(plant, CATALOGUE[name]), rig_of(MACHINE, distortion=False))
-    numbers = [film.model.geom(plate.name).id for plate in film.plates]
+    found = []
+    film = film_of(run_experiment(make_plant(MACHINE, 1), CATALOGUE[name]), rig_of(MACHINE, distortion=False))
+    groups = [[p for p in film.plates if p.name.partition("_")[2] == side] for side in SIDES]
+    materials = [film.model.material(plate.name).id for plate in film.plates]
+    film.model.mat_texid[materials], film.model.mat_specular[materials] = -1, 0
     with Studio(film) as studio:
         for time in (7.0, 8.6, 9.4):
             studio.pose(time)
-            for camera in RIG:
-                shown = _geoms(studio, camera)
-                for plate, number in zip(film.plates, numbers):
-                    corners, clear = _corners(studio, camera, plate)
-                    if not clear:
-                        continue
-                    rows, columns = np.nonzero(shown == number)
-                    moments = cv2.moments(corners.astype(np.float32))
-                    wanted = np.array([moments["m10"], moments["m01"]]) / moments["m00"]
-                    found.append(np.linalg.norm([columns.mean() - wanted[0], rows.mean() - wanted[1]]))
+            for camera, group in product(RIG, groups):
+                own, shown = [film.model.material(plate.name).id for plate in group], []
+                film.model.mat_rgba[materials, :3], film.model.mat_emission[materials] = 0.0, 0.0
+                for bright in (1.0, 0.0):
+                    film.model.mat_rgba[own, :3], film.model.mat_emission[own] = bright, bright
+                    shown.append(studio.picture(camera)[..., 1].astype(float))
+                for plate in group:
+                    outline, clear = _outline(studio, camera, plate)
+                    if clear:
+                        found.append(np.linalg.norm(_centroid(shown[0] - shown[1], outline) - _middle(outline)))
     return np.array(found)
 
 
-def _geoms(studio: Studio, camera: str) -> Array:
-    """Number of the geom that every pixel shows, (h, w)."""
-    renderer = studio._aimed(camera)
-    renderer.enable_segmentation_rendering()
-    shown = renderer.render()[..., 0].copy()
-    renderer.disable_segmentation_rendering()
-    return shown
-
-
-def _corners(studio: Studio, camera: str, plate: Plate) -> tuple[Array, bool]:
-    """Projected corners of a plate, (4, 2), and whether all of it is in sight."""
+def _outline(studio: Studio, camera: str, plate: Plate) -> tuple[Array, bool]:
+    """What a plate and its edges cover, (n, 2) px, and whether all of it is in sight."""
     body, view = studio.data.body(plate.body), studio.view(camera)
     rotation = body.xmat.reshape(3, 3)
     corners, normal = body.xpos + plate.corners @ rotation.T, rotation @ plate.axes[:, 2]
-    pixels = view.project(corners)
-    center = corners.mean(axis=0)
-    if not view.intrinsics.contains(pixels).all() or (view.position - center) @ normal <= 0:
-        return pixels, False
-    share = np.linspace(0.02, 0.98, 9)
+    hull = cv2.convexHull(view.project(np.vstack([corners, corners - THICKNESS * normal])).astype(np.float32))[:, 0]
+    if not view.intrinsics.contains(hull).all() or (view.position - corners.mean(axis=0)) @ normal <= 0:
+        return hull, False
+    share = np.linspace(0.005, 0.995, 15)
     across, down = np.meshgrid(share, share)
     along, up = corners[1] - corners[0], corners[3] - corners[0]
     grid = corners[0] + np.outer(across.ravel(), along) + np.outer(down.ravel(), up)
-    return pixels, bool(studio.visible(view, grid, plate.name).all())
+    return hull, bool(studio.visible(view, grid, plate.name).all())
+
+
+def _centroid(cover: Array, outline: Array) -> Array:
+    """Centroid of what is covered within an outline and a pixel around it, (2,) px."""
+    low, high = np.floor(outline.min(axis=0)).astype(int) - 1, np.ceil(outline.max(axis=0)).astype(int) + 2
+    mask = np.zeros(cover.shape, np.uint8)
+    cv2.fillConvexPoly(mask, np.round(outline).astype(np.int32), 1)
+    part = np.s_[low[1] : high[1], low[0] : high[0]]
+    weight = cover[part] * cv2.dilate(mask[part], np.ones((3, 3), np.uint8))
+    rows, columns = np.mgrid[part]
+    return np.array([(weight * columns).sum(), (weight * rows).sum()]) / weight.sum()
+
+
+def _middle(outline: Array) -> Array:
+    """Centroid of a polygon, (2,)."""
+    moments = cv2.moments(outline)
+    return np.array([moments["m10"], moments["m01"]]) / moments["m00"]
 
 
 def lens_rows(said: dict) -> Iterator[str]:
@@ -319,7 +330,6 @@ def draw_picture(path: Path) -> None:
 
 
 def main() -> None:
-    choose_headless()
     WORK.mkdir(parents=True, exist_ok=True)
     opencv, mujocos = projection_errors()
     centroid = centroid_errors("release_stretched_vertical")
