@@ -56,7 +56,8 @@ def main() -> None:
                 stream.write(json.dumps(answer, indent=1).encode())
         answers[case.name] = json.loads(kept.read_text())
         print(case.name, answers[case.name]["sentence"], flush=True)
-    rows = ["| case | truth | verdict | answer | gap held out | closure | ties | s |", "|---|---|---|---|---|---|---|---|"]
+    head = "| case | truth | verdict | answer | gap held out | closure | ties | s |"
+    rows = [head, "|---" * 8 + "|"]
     for name, answer in answers.items():
         truth = given.cases / name / "truth.json"
         told = brief(json.loads(truth.read_text())["effects"], "magnitude") if truth.exists() else "sealed"

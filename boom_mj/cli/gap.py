@@ -12,7 +12,7 @@ from typer.core import TyperCommand
 
 from boom_mj.cli import blind
 from boom_mj.cli.arguments import find_machine, machine_text, output_path
-from boom_mj.effects import library
+from boom_mj.effects import effect_library
 from boom_mj.errors import InputError
 from boom_mj.logs import read_log, whole_file, write_mcap
 from boom_mj.recording import Recording, named_signal
@@ -43,7 +43,7 @@ class ManyHoldouts(TyperCommand):
 @app.command()
 def effects() -> None:
     """List the effect library: physics, parameters, what each is confused with, which experiment tells."""
-    for kind in library().values():
+    for kind in effect_library().values():
         places = ", ".join(f"{key} = {'|'.join(map(str, choices))}" for key, choices in kind.places.items())
         print(f"{kind.id}{f'  ({places})' if places else ''}")
         print("    " + (inspect.getdoc(kind) or "").replace("\n", "\n    "))
@@ -78,8 +78,8 @@ def diagnose(
         if path is not None:
             output_path(path, suffix)
     for name in without or ():
-        if name not in library():
-            raise InputError(f"--without {name}: the library holds {', '.join(library())}")
+        if name not in effect_library():
+            raise InputError(f"--without {name}: the library holds {', '.join(effect_library())}")
     paths = [*logs, *(holdout or ())]
     recordings = [read_log(path) for path in paths]
     began = time.perf_counter()

@@ -6,7 +6,7 @@ from boom_mj.effects.effect import LoadEffect as LoadEffect
 from boom_mj.effects.effect import ModelEffect as ModelEffect
 from boom_mj.effects.effect import Parameter as Parameter
 from boom_mj.effects.effect import SignalEffect as SignalEffect
+from boom_mj.effects.effect import effect_library as effect_library
 from boom_mj.effects.effect import effects_of as effects_of
-from boom_mj.effects.effect import library as library
 from boom_mj.effects.effect import make_effect as make_effect
 from boom_mj.effects.effect import parse_effect as parse_effect

@@ -185,11 +185,11 @@ class AngleEffect(Effect):
 
 
 def _revive(name: str, location: Location, values: Values) -> Effect:
-    return library()[name](location, **values)
+    return effect_library()[name](location, **values)
 
 
 @cache
-def library() -> Mapping[str, type[Effect]]:
+def effect_library() -> Mapping[str, type[Effect]]:
     """Every effect of `library/`, by id."""
     package = import_module("boom_mj.effects.library")
     modules = [import_module(f"boom_mj.effects.library.{m.name}") for m in iter_modules(package.__path__)]
@@ -208,7 +208,7 @@ def make_effect(name: str, entries: Mapping[str, Any]) -> Effect:
     Raises:
         EffectError: unknown effect, place or parameter, or a value that is no number or out of bounds.
     """
-    known = library()
+    known = effect_library()
     if name not in known:
         raise EffectError(f"no effect {name!r}; the library holds: {', '.join(known)}")
     kind = known[name]

@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 
 from boom_mj.effects import Effect, make_effect
+from boom_mj.gap.campaign import FINE
 from boom_mj.gap.candidate import Candidate
 from boom_mj.gap.diagnose import Diagnosis
 from boom_mj.gap.judge import Judged, gap
-from boom_mj.gap.metric import FINE, HINGES, OFFSET_STEP
+from boom_mj.gap.metric import HINGES, OFFSET_STEP
 from boom_mj.gap.where import in_words, locate, looks
 
 SURE = 1.96  # deviations of a 95 % interval
@@ -93,7 +94,8 @@ def described(found: Diagnosis) -> list[dict[str, Any]]:
 
 def rival(found: Diagnosis, other: Judged) -> dict[str, Any]:
     """A candidate that lost, and why."""
-    why = f"closes {_closure(found, other):.0%} of the held-out gap"
+    share = _closure(found, other)
+    why = f"closes {share:.0%} of the held-out gap" if share > -1 else "fits no better at any size"
     if found.best:
         if other in found.ties:
             why += ": within the uncertainty of the best"
@@ -101,7 +103,7 @@ def rival(found: Diagnosis, other: Judged) -> dict[str, Any]:
             why += f": no better than {found.best.label} alone"
         elif other.held_out > found.best.held_out:
             why += f", {found.best.label} {_closure(found, found.best):.0%}"
-    if other.held_out > 1.1 * other.train:
+    if share > -1 and other.held_out > 1.1 * other.train:
         why += (
             f"; it fits the training data better ({other.train:.2f}) than what it has not seen ({other.held_out:.2f})"
         )
@@ -159,7 +161,7 @@ def _in_words(effect: Effect) -> str:
     sizes = ", ".join(
         f"{name} {effect.values[name]:.4g} {effect.parameters[name].unit}" for name in effect.knobs(effect.location)
     )
-    return f"{effect.id}{f' at {place}' if place else ''} ({sizes})"
+    return f"{effect.id.replace('_', ' ')}{f' at {place}' if place else ''} ({sizes})"
 
 
 def _brief(effects: Sequence[Effect]) -> list[dict[str, Any]]:

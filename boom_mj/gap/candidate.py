@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from boom_mj.effects import Effect, Parameter, library
+from boom_mj.effects import Effect, Parameter, effect_library
 
 Array = np.ndarray
 
@@ -60,7 +60,7 @@ def everywhere(without: Sequence[str] = ()) -> list[tuple[type[Effect], dict]]:
     """Every effect of the library at every place, but for the nuisances and the ids left out."""
     return [
         (kind, place)
-        for kind in library().values()
+        for kind in effect_library().values()
         if kind.id not in ("joint_zero_offset", *without)
         for place in kind.locations()
     ]

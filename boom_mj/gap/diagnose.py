@@ -12,7 +12,7 @@ from boom_mj.gap.campaign import Campaign
 from boom_mj.gap.candidate import Candidate, everywhere
 from boom_mj.gap.fit import fit
 from boom_mj.gap.judge import Closure, Judged, closure, gap, judge, worse_by
-from boom_mj.gap.metric import COARSE, Metric, around, make_metric
+from boom_mj.gap.metric import COARSE, HINGES, Metric, around, make_metric
 from boom_mj.gap.next_experiment import next_experiment
 from boom_mj.gap.screen import Screened, Signatures, spectral_lines
 
@@ -23,8 +23,8 @@ LEADERS = 2  # of which combinations are tried, and which are fitted again
 SMALLEST = 0.10  # fall of the held-out mean square that counts
 SECOND = 0.01  # ... for a second effect besides, in units of what the first took away
 HALF = 0.5  # share of the remaining gap that a second effect must close
-EXPLAINED = 0.75  # closure from which the verdict is "explained"
-QUIET = 1.35  # held-out gap up to which nothing needs explaining
+QUIET = 1.15  # held-out gap up to which nothing needs explaining
+SLACK = 0.03  # of the gap, that an explanation may leave besides
 CLOSE = 1.5  # times the best held-out gap, up to which a rival is fitted again
 TIE = 0.03  # closure within which rivals tie
 
@@ -84,13 +84,13 @@ def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], 
     if contest and before > QUIET:
         tell(f"nuisances around {contest[0].label}")
         contest = _polished(contest)
-        if contest[0].held_out > QUIET:
-            contest = _combine(metric, signatures, contest, tell)
+        if not solved(before, contest[0].held_out):
+            contest = _combine(contest, without, tell)
     best = choose(contest, before)
     share = closure(metric, nominal, best.fit.residual if best else nominal, campaign.held_out)
     verdict = "consistent" if before <= QUIET else "unexplained"
     ties: tuple[Judged, ...] = ()
-    if best and share.value >= EXPLAINED:
+    if best and solved(before, best.held_out):
         ties = tuple(j for j in contest if j is not best and _ties(metric, best, j, before))
         verdict = "ambiguous" if ties else "explained"
     elif best and before <= QUIET and before**2 - best.held_out**2 < 2 * SMALLEST:
@@ -122,19 +122,26 @@ def _fit_all(metric: Metric, candidates: Sequence[Candidate]) -> list[Judged]:
     return sorted(judged, key=lambda j: j.held_out)
 
 
-def _combine(
-    metric: Metric, signatures: Signatures, contest: list[Judged], tell: Callable[[str], None]
-) -> list[Judged]:
-    """Forward: partners for the leaders, by what screening says of their residuals."""
+def solved(before: float, after: float) -> bool:
+    """Whether an explanation leaves a held-out gap that is no more than noise and its own inaccuracy."""
+    return after <= QUIET + SLACK * (before - 1)
+
+
+def _combine(contest: list[Judged], without: Sequence[str], tell: Callable[[str], None]) -> list[Judged]:
+    """Forward: partners for the leaders, by screening again about the machine that each leader makes."""
     pairs: dict[tuple, Candidate] = {}
     for leader in contest[:LEADERS]:
-        residual, jacobian = leader.fit.residual, leader.fit.jacobian
-        partners = [s for s in signatures.rank(residual, jacobian) if _compatible(leader, s.candidate)]
-        for partner in partners[:SECONDS]:
-            pair = Candidate((*leader.fit.effects, *partner.candidate.effects))
+        tell(f"screening beside {leader.label}")
+        found, metric = leader.fit, leader.metric
+        signatures = Signatures(metric, everywhere(without), spectral_lines(metric, found.residual), found.effects)
+        raw = metric.residual(metric.campaign.predict([found.effects], HINGES)[0])
+        for partner in signatures.rank(raw, found.jacobian)[:SECONDS]:
+            pair = Candidate((*found.effects, *partner.candidate.effects))
             pairs.setdefault(pair.places, pair)
     tell("combinations: " + ", ".join(p.label for p in pairs.values()))
-    return sorted([*contest, *_polished(_fit_all(metric, list(pairs.values())))], key=lambda j: j.held_out)
+    return sorted(
+        [*contest, *_polished(_fit_all(contest[0].metric, list(pairs.values())))], key=lambda j: j.held_out
+    )
 
 
 def _polished(contest: Sequence[Judged]) -> list[Judged]:
@@ -151,10 +158,6 @@ def _polish(judged: Judged) -> Judged:
     metric = around(judged.metric, effects)
     again = judge(metric, fit(metric, Candidate(effects)))
     return min(judged, again, key=lambda j: j.train)
-
-
-def _compatible(leader: Judged, partner: Candidate) -> bool:
-    return not set(partner.places) & set(leader.fit.candidate.places)
 
 
 def choose(contest: Sequence[Judged], before: float) -> Judged | None:

@@ -53,15 +53,19 @@ def judge(metric: Metric, found: Fit) -> Judged:
 
 
 def deviations(metric: Metric, found: Fit) -> Array:
-    """Standard deviations of the coordinates, robust to correlation within windows: H^-1 (sum g g^T) H^-1."""
+    """Standard deviations of the coordinates: H^-1 (sum g g^T) H^-1 with scores g summed over what is correlated.
+
+    Residuals are correlated within windows and, where the model is wrong, within whole recordings: the larger counts.
+    """
     train = metric.campaign.train
     clean = metric.project(found.jacobian, found.free)[train]
-    curvature = clean.T @ clean
+    inverse = np.linalg.pinv(clean.T @ clean)
     score = clean * found.residual[train][:, None]
-    windows = window_numbers(metric)[train]
-    sums = np.stack([np.bincount(windows, column) for column in score.T], axis=1)
-    inverse = np.linalg.pinv(curvature)
-    return np.sqrt(np.diag(inverse @ (sums.T @ sums) @ inverse))
+    found_variances = []
+    for cluster in (window_numbers(metric)[train], metric.campaign.recording_of[train]):
+        sums = np.stack([np.bincount(cluster, column) for column in score.T], axis=1)
+        found_variances.append(np.diag(inverse @ (sums.T @ sums) @ inverse))
+    return np.sqrt(np.max(found_variances, axis=0))
 
 
 def window_numbers(metric: Metric) -> Array:

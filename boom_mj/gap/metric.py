@@ -2,8 +2,8 @@
 
 Residuals are whitened by v = noise^2 + spread^2. The spread is what refining the model's hinges still changes; the mean
 of that change is taken out by Richardson extrapolation. Nuisances are linear columns b_i with prior deviations s_i:
-joint zero offsets, and tolerances of stiffness and damping as every healthy machine has them. They are estimated on
-the training entries and removed everywhere, so that with B = [b_i s_i] whitened
+joint zero offsets, and tolerances of viscous friction, pressure gain, stiffness and damping as every healthy machine
+has them. They are estimated on the training entries and removed everywhere, so that with B = [b_i s_i] whitened
 
     <x, y> = x^T y - x^T B (1 + B^T B)^-1 B^T y        (sums over training entries)
 
@@ -20,15 +20,17 @@ from scipy.ndimage import maximum_filter1d
 from scipy.optimize import lsq_linear
 
 from boom_mj.effects import Effect, make_effect
-from boom_mj.gap.campaign import Campaign
+from boom_mj.gap.campaign import FINE, Campaign
 
 Array = np.ndarray
-COARSE, HINGES, FINE = 2, 4, 6  # hinges: of screening and nuisances, of the contest, of the fidelity check
-JOINTS = 5
+COARSE, HINGES = 2, 4  # hinges: of screening and nuisances, of the contest; FINE of the fidelity check
+STILL = 9  # nuisances whose columns hardly depend on how the boom swings: of joints and of cylinders
 LIMIT = 2.5  # prior deviations: what goes further is no tolerance but a cause
 ORDER = 2  # of convergence in the number of hinges
 LEFT = 0.5  # share of the extrapolated change that may be wrong
 REACH = 5  # blocks over which the spread is carried, for phase
+GAIN = 0.002  # of a pressure sensor
+VISCOUS = 0.5  # of the machine file's, that may be missing or too much
 ZERO_OFFSET, OFFSET_STEP = np.radians(0.6), 0.005  # rad: prior of a joint's zero offset, step of its secant
 
 
@@ -50,6 +52,12 @@ def tolerances() -> tuple[Tolerance, ...]:
         )
         for name in joints
     ]
+    for joint in (2, 3):
+        slippery = make_effect("viscous_friction", {"joint": joint, "factor": 0.0})
+        found.append(Tolerance(f"viscous friction {joint}", (slippery,), VISCOUS))
+    for cylinder in (2, 3):
+        reading = make_effect("pressure_scale", {"cylinder": cylinder, "factor": 1.01})
+        found.append(Tolerance(f"pressure gain {cylinder}", (reading,), 100 * GAIN))
     for axis, percent in (("v", 0.5), ("w", 0.5), ("torsion", 1.0)):
         softer = [make_effect("link_stiffness", {"link": k, "axis": axis, "factor": 0.99}) for k in (2, 3, 4, 5)]
         found.append(Tolerance(f"stiffness {axis}", tuple(softer), percent))
@@ -121,12 +129,12 @@ def make_metric(campaign: Campaign) -> Metric:
 def around(metric: Metric, effects: tuple[Effect, ...]) -> Metric:
     """The metric of a machine that has effects: a heavier boom swings slower, and so do its nuisances and model error.
 
-    Zero offsets keep their columns: they hardly depend on how the boom swings.
+    The first STILL nuisances keep their columns.
     """
     campaign = metric.campaign
-    offsets, dynamic = metric.nuisances[:JOINTS], metric.nuisances[JOINTS:]
+    dynamic = metric.nuisances[STILL:]
     base, *shifted = campaign.predict([effects, *((*effects, *t.hypothesis) for t in dynamic)], HINGES)
-    raw = metric.basis[:, : len(offsets)] / np.where(metric.weight > 0, metric.weight, 1)[:, None]
+    raw = metric.basis[:, :STILL] / np.where(metric.weight > 0, metric.weight, 1)[:, None]
     return _weigh(campaign, effects, [*raw.T, *((s - base) * t.deviation for s, t in zip(shifted, dynamic))])
 
 

@@ -29,15 +29,30 @@ class Screened:
 
 
 class Signatures:
-    """Sensitivity columns of every candidate, simulated once and used for every residual."""
+    """Sensitivity columns of every candidate about a machine, simulated once.
 
-    def __init__(self, metric: Metric, kinds: Sequence[tuple[type[Effect], dict]], lines: Sequence[float]):
+    Args:
+        metric: of that machine.
+        kinds: effects and places.
+        lines: frequencies (Hz) offered to periodic effects.
+        given: effects that the machine has already.
+    """
+
+    def __init__(
+        self,
+        metric: Metric,
+        kinds: Sequence[tuple[type[Effect], dict]],
+        lines: Sequence[float],
+        given: tuple[Effect, ...] = (),
+    ):
         self.metric = metric
-        self.rows = [(kind, place, group) for kind, place in kinds for group in kind.probes(place, lines) if group]
+        taken = {(effect.id, tuple(effect.location.items())) for effect in given}
+        free = [(kind, place) for kind, place in kinds if (kind.id, tuple(place.items())) not in taken]
+        self.rows = [(kind, place, group) for kind, place in free for group in kind.probes(place, lines) if group]
         campaign = metric.campaign
         probes = [kind(place, **probe) for kind, place, group in self.rows for probe in group]
         model = [probe for probe in probes if not isinstance(probe, AngleEffect)]
-        base, *found = campaign.predict([(), *((probe,) for probe in model)], COARSE, training_only=True)
+        base, *found = campaign.predict([given, *((*given, probe) for probe in model)], COARSE, training_only=True)
         columns = {probe: metric.white(f - base) for probe, f in zip(model, found)}
         for probe in probes:
             if isinstance(probe, AngleEffect):

@@ -17,6 +17,7 @@ Array = np.ndarray
 BANDS = (("static", 0.2), ("first mode", 0.8), ("second mode", 2.5), ("above", np.inf))  # upper edge, Hz
 MOVING = 1e-3  # rad/s
 SHORT = 1.0  # s, of a start and around a reversal
+PLAIN = 0.2  # share of a residual that a look must take
 AFTER = 12.0  # s, how long a stop is remembered
 
 
@@ -126,7 +127,7 @@ def in_words(cells: tuple[Cell, ...]) -> str:
         (name,), share = next(iter(shares(cells, axis).items()))
         parts.append(f"{name} ({share:.0%})")
     sensor, link, direction, band, phase = parts
-    return f"most of it is seen by {sensor}, on {link}, along {direction}, in the {band} band, in {phase}"
+    return f"it is seen most by {sensor}, on {link}, along {direction}, in the {band} band, in {phase}"
 
 
 def looks(campaign: Campaign, residual: Array) -> str:
@@ -161,4 +162,6 @@ def looks(campaign: Campaign, residual: Array) -> str:
     for values in means.values():
         scores["pose dependent"] += float(np.sum(np.square(values))) / total
     name = max(scores, key=lambda key: scores[key])
+    if scores[name] < PLAIN:
+        return "nothing in particular"
     return f"{name} ({min(scores[name], 1.0):.0%} of it)"

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from boom_mj.effects import Effect, LoadEffect, ModelEffect, effects_of
-from boom_mj.errors import EquilibriumError
+from boom_mj.errors import EffectError, EquilibriumError
 from boom_mj.machine import Machine
 from boom_mj.mjcf import BoomModel, build
 
@@ -173,11 +173,19 @@ def make_plant(machine: Machine, hinges: int = 1, effects: Sequence[Effect] = ()
 
 
 def with_effects(boom: BoomModel, effects: Sequence[Effect]) -> Plant:
-    """A plant of a boom with effects; the boom itself stays as it is."""
+    """A plant of a boom with effects; the boom itself stays as it is.
+
+    Raises:
+        EffectError: two effects would be the same part of the machine.
+    """
     boom = replace(boom, spec=boom.spec.copy())
     for effect in effects:
         if isinstance(effect, ModelEffect):
-            effect.edit(boom.spec, boom.machine)
+            try:
+                effect.edit(boom.spec, boom.machine)
+            except ValueError as error:  # MuJoCo: a name is there already
+                others = ", ".join(str(other) for other in effects if other is not effect)
+                raise EffectError(f"{effect} cannot stand beside {others}: {error}") from error
         if isinstance(effect, LoadEffect):
             add_pushes(boom.spec, boom.machine, effect)
     return Plant(boom, boom.compile(), tuple(effects))

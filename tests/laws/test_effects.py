@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from boom_mj.effects import Effect, library, parse_effect
+from boom_mj.effects import Effect, effect_library, parse_effect
 from boom_mj.errors import EffectError
 from boom_mj.machine import load_machine
 from boom_mj.mjcf import build
@@ -17,7 +17,7 @@ from boom_mj.simulation.plant import with_effects
 
 BOOM = load_machine(Path(__file__).parents[2] / "models" / "boom36.toml")
 SEEN_IN = ("slew_t", "sweep", "release_bow_vertical")
-KINDS = list(library().values())
+KINDS = list(effect_library().values())
 PLACES = [(kind, place) for kind in KINDS for place in kind.locations()]
 
 

@@ -6,7 +6,7 @@ from itertools import cycle
 
 import numpy as np
 
-from boom_mj.effects import Effect, library
+from boom_mj.effects import Effect, effect_library
 from boom_mj.errors import EquilibriumError, InputError, SimulationError
 from boom_mj.gap.blind.strangers import STRANGERS
 
@@ -61,7 +61,7 @@ def orders(cases: int, mix: Mapping[str, float], rng: np.random.Generator) -> li
         raise InputError(f"no class of cases is called {', '.join(unknown)}; there are {', '.join(MIX)}")
     if min(mix.values()) < 0 or sum(mix.values()) <= 0:
         raise InputError(f"shares of classes must not be negative, nor all zero; got {dict(mix)}")
-    known = [name for name in library() if name != NUISANCE]
+    known = [name for name in effect_library() if name != NUISANCE]
     deal = {kind: _deck(STRANGERS if kind == "stranger" else known, rng) for kind in MIX}
     found = []
     for kind, count in _shared_out(cases, mix).items():
@@ -99,7 +99,7 @@ def draw(
     Raises:
         InputError: the machine stands none.
     """
-    kind = {**library(), **STRANGERS}[name]
+    kind = {**effect_library(), **STRANGERS}[name]
     places = kind.locations()
     best: tuple[float, tuple[Effect, dict[str, float]] | None] = (0.0, None)
     for _ in range(TRIES):

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from boom_mj.effects import library
+from boom_mj.effects import effect_library
 from boom_mj.gap.blind.strangers import STRANGERS
 
 ANGLES = ("phase", "direction")  # parameters that repeat after a turn
@@ -92,9 +92,9 @@ def judge_case(case: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -
 
 def twins(name: str) -> set[str]:
     """Ids of the library that an effect is known to be confused with, from either side."""
-    own = {words.split()[0] for words in {**library(), **STRANGERS}[name].confused_with}
-    others = {k for k, kind in library().items() if name in {words.split()[0] for words in kind.confused_with}}
-    return (own & set(library()) | others) - {name}
+    own = {words.split()[0] for words in {**effect_library(), **STRANGERS}[name].confused_with}
+    others = {k for k, kind in effect_library().items() if name in {words.split()[0] for words in kind.confused_with}}
+    return (own & set(effect_library()) | others) - {name}
 
 
 def holds(true: Mapping[str, float], named: Mapping[str, Mapping[str, Any]]) -> list[bool]:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from boom_mj.effects.effect import library
+from boom_mj.effects.effect import effect_library
 from boom_mj.gap.where import sensor_place
 
 MINUS, DASH, SPACE = "\N{MINUS SIGN}", "\N{EN DASH}", "\N{NO-BREAK SPACE}"
@@ -60,12 +60,12 @@ def capital(text: str) -> str:
 
 def physics(name: str) -> str:
     """The first paragraph of an effect's docstring."""
-    return " ".join((library()[name].__doc__ or "").split("\n\n")[0].split())
+    return " ".join((effect_library()[name].__doc__ or "").split("\n\n")[0].split())
 
 
 def spoken(sentence: str) -> str:
     """A sentence of the answer with ids, links and percentages as people write them."""
-    for name in library():
+    for name in effect_library():
         for written in (name, name.capitalize()):
             sentence = sentence.replace(written, written.replace("_", " "))
     return re.sub(r"(\d)%", rf"\1{SPACE}%", re.sub(r"\blink(\d)", r"link \1", sentence))

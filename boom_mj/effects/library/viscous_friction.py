@@ -1,0 +1,22 @@
+"""Viscous friction of a joint."""
+
+import mujoco
+
+from boom_mj.effects.effect import ModelEffect, Parameter
+from boom_mj.machine import Machine
+
+
+class ViscousFriction(ModelEffect):
+    """The drive pushes against a torque in proportion to the joint's rate, by a factor of what the machine file says.
+
+    Joints follow their path whatever it costs, so that only the cylinders of joints 2 and 3 feel it.
+    """
+
+    id = "viscous_friction"
+    places = {"joint": (2, 3)}
+    parameters = {"factor": Parameter("1", 1.0, 0.0, 30.0, 2.0)}
+    confused_with = ("joint_friction", "pressure_scale")
+    told_by = "sweep"
+
+    def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
+        spec.joint(f"joint{self.location['joint']}").damping[0] *= self.values["factor"]
