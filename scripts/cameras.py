@@ -48,23 +48,28 @@ SPOILT = {  # what: arguments of render
     "rolling shutter, 10 ms": ("--rolling", "4"),
     "noise, blur and rolling shutter": ("--noise", "--blur", "2", "--rolling", "3"),
     "half the resolution": ("--scale", "0.5"),
+    "three quarters of the resolution": ("--scale", "0.75"),
 }
 
 
-def boom(*arguments: object) -> str:
-    """What a command of boom_mj prints."""
+def boom(*arguments: object) -> subprocess.CompletedProcess:
+    """A command of boom_mj; what it tells on stderr is shown."""
     line = [sys.executable, "-m", "boom_mj", *map(str, arguments)]
-    return subprocess.run(line, check=True, text=True, stdout=subprocess.PIPE, cwd=ROOT).stdout
+    done = subprocess.run(line, text=True, capture_output=True, cwd=ROOT)
+    print(done.stderr, end="", flush=True)
+    return done
 
 
 def tracked(name: str, *options: str) -> dict:
-    """Render and track a data set unless that was done; what `track` says of it."""
+    """Render and track a data set unless that was done; what `track` says of it, or why it failed."""
     folder, said = WORK / name, WORK / f"{name}.json"
     if not said.is_file():
         print(f"{name}: {' '.join(options)}", flush=True)
-        boom("render", "boom36", "-o", folder, *options)
-        text = boom("track", folder, "-o", WORK / f"{name}.mcap", "--overlay", WORK / f"{name}.png", "--json")
-        said.write_text(text)
+        boom("render", "boom36", "-o", folder, *options).check_returncode()
+        files = "-o", WORK / f"{name}.mcap", "--overlay", WORK / f"{name}.png"
+        done = boom("track", folder, *files, "--json")
+        failed = done.stderr.rpartition("error: ")[2].partition(" of the reference plates")[0]
+        said.write_text(json.dumps({"failed": failed}) if done.returncode else done.stdout)
     return json.loads(said.read_text())
 
 
@@ -263,6 +268,9 @@ def spoilt_rows() -> Iterator[str]:
     for k, (what, options) in enumerate(SPOILT.items()):
         name = f"spoilt{k}"
         said = tracked(name, *SHORT, *options)
+        if "failed" in said:
+            yield f"| {what} | 0.0 | {said['failed']} of the reference plates | | | | |"
+            continue
         _, found, truth = markers(name)
         error = 1000 * (found - truth)
         x, y, z = rms(error, axis=(0, 1))
