@@ -130,13 +130,13 @@ def _summary(answer: dict[str, Any]) -> str:
 
 
 def _write_predictions(found: Any, folder: Path, paths: list[Path]) -> None:
-    from boom_mj.gap import zero_offsets
-    from boom_mj.gap.metric import HINGES
+    from boom_mj.gap import still_tolerances
+    from boom_mj.gap.campaign import HINGES
 
     folder.mkdir(parents=True, exist_ok=True)
-    offsets = zero_offsets(found)
-    corrected = (offsets, *(found.best.fit.effects if found.best else ()))
-    for kind, hypothesis in (("nominal", (offsets,)), ("corrected", corrected)):
+    tolerances = still_tolerances(found)
+    corrected = (*tolerances, *(found.best.fit.effects if found.best else ()))
+    for kind, hypothesis in (("nominal", tolerances), ("corrected", corrected)):
         for index, (log, path) in enumerate(zip(found.metric.campaign.recordings, paths)):
             twin = found.metric.campaign.twin(hypothesis, HINGES, index)
             signals = {name: named_signal(name, log[name].time, values) for name, values in twin.items()}

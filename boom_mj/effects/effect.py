@@ -52,6 +52,10 @@ class Parameter:
     typical: float
     inverse: bool = False
 
+    @property
+    def bounds(self) -> tuple[float, float]:
+        return self.low, self.high
+
     def coordinate(self, value: float) -> float:
         return self.typical / value if self.inverse else (value - self.neutral) / self.typical
 

@@ -1,8 +1,8 @@
 """The diagnosis of the sim-to-real gap: where it lies, which effect causes it, how far it shrinks."""
 
 from boom_mj.gap.answer import document as document
+from boom_mj.gap.answer import still_tolerances as still_tolerances
 from boom_mj.gap.answer import with_effects_text as with_effects_text
-from boom_mj.gap.answer import zero_offsets as zero_offsets
 from boom_mj.gap.campaign import Campaign as Campaign
 from boom_mj.gap.diagnose import Diagnosis as Diagnosis
 from boom_mj.gap.diagnose import diagnose as diagnose

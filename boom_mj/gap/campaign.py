@@ -26,7 +26,8 @@ from boom_mj.simulation.plant import with_effects
 Array = np.ndarray
 Hypothesis = tuple[Effect, ...]
 BLOCK = 0.1  # s
-PACE, FINE = 2.0, 6  # times the plant's own step, below so many hinges
+COARSE, HINGES, FINE = 2, 4, 6  # hinges: of screening and nuisances, of the contest, of the fidelity check
+PACE = 2.0  # times the plant's own step, for screening
 KEPT = 24  # dense simulations kept for hypotheses that differ in their sensors only
 
 
@@ -227,7 +228,7 @@ class Campaign:
         with self._compiling:
             if hinges not in self._booms:
                 self._booms[hinges] = build(self.machine, hinges)
-                self._booms[hinges].spec.option.timestep *= PACE if hinges < FINE else 1.0
+                self._booms[hinges].spec.option.timestep *= PACE if hinges <= COARSE else 1.0
             if key not in self._plants:
                 while len(self._plants) >= KEPT:
                     self._plants.pop(next(iter(self._plants)))

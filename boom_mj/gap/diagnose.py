@@ -8,11 +8,11 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from boom_mj.effects import SignalEffect
-from boom_mj.gap.campaign import Campaign
+from boom_mj.gap.campaign import COARSE, HINGES, Campaign
 from boom_mj.gap.candidate import Candidate, everywhere
 from boom_mj.gap.fit import fit
 from boom_mj.gap.judge import Closure, Judged, closure, gap, judge, worse_by
-from boom_mj.gap.metric import COARSE, HINGES, Metric, around, make_metric
+from boom_mj.gap.metric import Metric, around, make_metric
 from boom_mj.gap.next_experiment import next_experiment
 from boom_mj.gap.screen import Screened, Signatures, spectral_lines
 
@@ -139,9 +139,7 @@ def _combine(contest: list[Judged], without: Sequence[str], tell: Callable[[str]
             pair = Candidate((*found.effects, *partner.candidate.effects))
             pairs.setdefault(pair.places, pair)
     tell("combinations: " + ", ".join(p.label for p in pairs.values()))
-    return sorted(
-        [*contest, *_polished(_fit_all(contest[0].metric, list(pairs.values())))], key=lambda j: j.held_out
-    )
+    return sorted([*contest, *_polished(_fit_all(contest[0].metric, list(pairs.values())))], key=lambda j: j.held_out)
 
 
 def _polished(contest: Sequence[Judged]) -> list[Judged]:

@@ -6,13 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from boom_mj.effects import Effect
+from boom_mj.gap.campaign import HINGES
 from boom_mj.gap.candidate import Candidate
-from boom_mj.gap.metric import HINGES, Metric
+from boom_mj.gap.metric import Metric
 
 Array = np.ndarray
 ITERATIONS = 10
 STEP = 0.05  # of a coordinate, for secants
-ENOUGH = 2e-3  # relative fall of the cost below which it has converged
+ENOUGH = 1e-4  # relative fall of the cost below which it has converged
 PRIOR = 30.0  # deviation of a coordinate: keeps what the data do not tell from running away
 
 

@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from boom_mj.gap.campaign import HINGES
 from boom_mj.gap.fit import Fit
-from boom_mj.gap.metric import HINGES, Metric
+from boom_mj.gap.metric import Metric
 
 Array = np.ndarray
 WINDOW = 5.0  # s

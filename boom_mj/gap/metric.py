@@ -20,10 +20,9 @@ from scipy.ndimage import maximum_filter1d
 from scipy.optimize import lsq_linear
 
 from boom_mj.effects import Effect, make_effect
-from boom_mj.gap.campaign import FINE, Campaign
+from boom_mj.gap.campaign import COARSE, FINE, HINGES, Campaign
 
 Array = np.ndarray
-COARSE, HINGES = 2, 4  # hinges: of screening and nuisances, of the contest; FINE of the fidelity check
 STILL = 9  # nuisances whose columns hardly depend on how the boom swings: of joints and of cylinders
 LIMIT = 2.5  # prior deviations: what goes further is no tolerance but a cause
 ORDER = 2  # of convergence in the number of hinges

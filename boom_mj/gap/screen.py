@@ -12,8 +12,9 @@ from itertools import pairwise
 import numpy as np
 
 from boom_mj.effects import AngleEffect, Effect
+from boom_mj.gap.campaign import COARSE
 from boom_mj.gap.candidate import Candidate
-from boom_mj.gap.metric import COARSE, OFFSET_STEP, Metric
+from boom_mj.gap.metric import OFFSET_STEP, Metric
 
 Array = np.ndarray
 WIDEST = 10.0  # prior deviation of a probe's weight

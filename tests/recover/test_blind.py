@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from boom_mj.effects import library
+from boom_mj.effects import effect_library
 from boom_mj.gap.blind import SHORT, answer_cases, make_cases, score, waiting_cases
 from boom_mj.gap.blind.making import STAMP
 from boom_mj.gap.blind.strangers import STRANGERS
@@ -58,7 +58,7 @@ def test_cases_differ_in_their_samples_only(made: Path, tmp_path: Path) -> None:
 
 def test_no_file_holds_a_word_of_the_seal(made: Path) -> None:
     text = json.loads((made / "seal.json").read_text())
-    words = [*library(), *STRANGERS, text["salt"], text["seed_sha256"], "single", "none", "withheld", "stranger"]
+    words = [*effect_library(), *STRANGERS, text["salt"], text["seed_sha256"], "single", "none", "withheld", "stranger"]
     for path in (made / "cases").rglob("*"):
         if path.is_file() and path.name not in ("withhold.json", "machine.toml"):
             content = path.read_bytes()
@@ -66,7 +66,7 @@ def test_no_file_holds_a_word_of_the_seal(made: Path) -> None:
     assert (made / "cases" / "machine.toml").read_text() == MACHINE
     for case, truth in sealed(made).items():
         (listed,) = json.loads((made / "cases" / case / "withhold.json").read_text())["without"]
-        assert listed in library() and listed not in [effect["id"] for effect in truth["effects"]]
+        assert listed in effect_library() and listed not in [effect["id"] for effect in truth["effects"]]
 
 
 def test_an_interrupted_making_goes_on_and_ends_in_the_same_seal(made: Path, tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import boom_mj
-from boom_mj.effects import library
+from boom_mj.effects import effect_library
 from boom_mj.errors import InputError
 from boom_mj.gap.blind import MIX, SHORT, make_cases, waiting_cases
 from boom_mj.gap.blind.confining import confined_to
@@ -20,7 +20,7 @@ from boom_mj.gap.blind.drawing import NUISANCE, draw, orders
 from boom_mj.gap.blind.running import spread
 from boom_mj.gap.blind.strangers import STRANGERS
 from boom_mj.gap.blind.truth import HINGES, true_plant
-from boom_mj.gap.metric import FINE
+from boom_mj.gap.campaign import FINE
 from boom_mj.machine import load_machine
 from boom_mj.mjcf import build
 
@@ -32,7 +32,7 @@ def test_classes_have_their_shares_and_effects_are_dealt_evenly() -> None:
     found = orders(120, MIX, np.random.default_rng(1))
     assert Counter(order.kind for order in found) == {kind: int(share) for kind, share in MIX.items()}
     singles = Counter(order.ids[0] for order in found if order.kind == "single")
-    assert set(singles) == set(library()) - {NUISANCE} and max(singles.values()) - min(singles.values()) <= 1
+    assert set(singles) == set(effect_library()) - {NUISANCE} and max(singles.values()) - min(singles.values()) <= 1
     assert len({order.ids[0] for order in found if order.kind == "stranger"}) == len(STRANGERS) >= 5
     assert [order.kind for order in found] != sorted(order.kind for order in found)
     for order in found:
@@ -64,7 +64,7 @@ def test_what_does_not_show_is_drawn_again() -> None:
 
 
 def test_strangers_are_described_nowhere_in_the_library() -> None:
-    assert not set(STRANGERS) & set(library())
+    assert not set(STRANGERS) & set(effect_library())
     written = "".join(path.read_text() for path in (ROOT / "boom_mj" / "effects").rglob("*.py"))
     assert not [name for name in STRANGERS if name in written]
 
