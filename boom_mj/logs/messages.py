@@ -75,9 +75,12 @@ def _upright() -> Any:
     return make("geometry_msgs/msg/Quaternion", 0.0, 0.0, 0.0, 1.0)
 
 
+@cache
 def _covariance(variance: float, axes: int) -> Array:
-    """Diagonal 3 x 3 covariance, row major, with the variance on the first `axes` axes."""
-    return np.diag([variance if i < axes else 0.0 for i in range(3)]).ravel()
+    """Diagonal 3 x 3 covariance, row major, with the variance on the first `axes` axes; shared, not to be written to."""
+    found = np.diag([variance if i < axes else 0.0 for i in range(3)]).ravel()
+    found.flags.writeable = False
+    return found
 
 
 JOINT_STATE = MessageKind("sensor_msgs/msg/JointState", _pack_joint_state)

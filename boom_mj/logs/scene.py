@@ -15,6 +15,7 @@ TRIANGLE_LIST = 11  # visualization_msgs/msg/Marker
 def scene_messages(scene: Scene) -> Iterator[tuple[int, str, Any]]:
     """Stamp in ns, topic and message: the shapes once, at the start, and the frames at all times."""
     stamps = np.round(scene.time * 1e9).astype(np.int64)
+    positions, quaternions = scene.position.tolist(), np.roll(scene.quaternion, -1, axis=-1).tolist()
     yield int(stamps[0]), "/scene", _shapes(scene, int(stamps[0]))
     for i, stamp in enumerate(stamps):
         head = _header(int(stamp), "world")
@@ -25,8 +26,8 @@ def scene_messages(scene: Scene) -> Iterator[tuple[int, str, Any]]:
                 child_frame_id=frame,
                 transform=make(
                     "geometry_msgs/msg/Transform",
-                    translation=make("geometry_msgs/msg/Vector3", *map(float, scene.position[i, k])),
-                    rotation=make("geometry_msgs/msg/Quaternion", *map(float, np.roll(scene.quaternion[i, k], -1))),
+                    translation=make("geometry_msgs/msg/Vector3", *positions[i][k]),
+                    rotation=make("geometry_msgs/msg/Quaternion", *quaternions[i][k]),
                 ),
             )
             for k, frame in enumerate(scene.frames)
