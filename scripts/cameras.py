@@ -333,8 +333,9 @@ def speed() -> tuple[list[str], list[str]]:
 def draw_picture(path: Path) -> None:
     """The overlays of a stretched and of a folding boom below each other, in few enough colours for a small file."""
     rows = [cv2.imread(str(WORK / f"{name}.png")) for name in ("spoilt1", "fold_in")]
-    picture = cv2.resize(np.vstack(rows), None, fx=0.85, fy=0.85, interpolation=cv2.INTER_AREA)
-    cv2.imwrite(str(path), picture // 12 * 12 + 6, [cv2.IMWRITE_PNG_COMPRESSION, 9])
+    picture = cv2.resize(np.vstack(rows), None, fx=0.75, fy=0.75, interpolation=cv2.INTER_AREA)
+    few = np.minimum(picture.astype(int) // 14 * 14 + 8, 255).astype(np.uint8)
+    cv2.imwrite(str(path), few, [cv2.IMWRITE_PNG_COMPRESSION, 9])
 
 
 def main() -> None:
