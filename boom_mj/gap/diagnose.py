@@ -84,6 +84,7 @@ def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], 
     if contest and before > QUIET:
         tell(f"nuisances around {contest[0].label}")
         contest = _polished(contest)
+        contest = sorted([*contest, *_fit_all(metric, _simpler(contest))], key=lambda j: j.held_out)
         if not solved(before, contest[0].held_out):
             contest = _combine(contest, without, tell)
     best = choose(contest, before)
@@ -127,6 +128,19 @@ def solved(before: float, after: float) -> bool:
     return after <= QUIET + SLACK * (before - 1)
 
 
+def _simpler(contest: Sequence[Judged]) -> list[Candidate]:
+    """The best effect at places where it has fewer knobs, such as roll alone for roll and pitch."""
+    (effect, *others), kind = contest[0].fit.effects, type(contest[0].fit.effects[0])
+    tried = {judged.fit.candidate.places for judged in contest}
+    found = []
+    for place in kind.locations():
+        knobs = set(kind.knobs(place))
+        if knobs < set(kind.knobs(effect.location)) and not others:
+            candidate = Candidate((kind(place, **{name: effect.values[name] for name in knobs}),))
+            found += [candidate] if candidate.places not in tried else []
+    return found
+
+
 def _combine(contest: list[Judged], without: Sequence[str], tell: Callable[[str], None]) -> list[Judged]:
     """Forward: partners for the leaders, by screening again about the machine that each leader makes."""
     pairs: dict[tuple, Candidate] = {}
@@ -159,11 +173,14 @@ def _polish(judged: Judged) -> Judged:
 
 
 def choose(contest: Sequence[Judged], before: float) -> Judged | None:
-    """The best single cause, or the best pair where both of its members are worth it."""
+    """The best single cause, with as few knobs as do, or the best pair where both of its members are worth it."""
     useful = [j for j in contest if before**2 - j.held_out**2 > SMALLEST]
     singles = [j for j in useful if len(j.fit.effects) == 1]
     pairs = [j for j in useful if len(j.fit.effects) == 2]
     best = min(singles, key=lambda j: j.held_out, default=None)
+    for judged in singles:
+        if best and _nested(judged, best) and judged.held_out**2 - best.held_out**2 < SECOND * before**2:
+            best = judged
     for pair in sorted(pairs, key=lambda j: j.held_out):
         members = [j for j in contest if set(j.fit.candidate.places) < set(pair.fit.candidate.places)]
         alone = min([before, *(j.held_out for j in members), *([best.held_out] if best else [])])

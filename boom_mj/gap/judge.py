@@ -56,17 +56,18 @@ def judge(metric: Metric, found: Fit) -> Judged:
 def deviations(metric: Metric, found: Fit) -> Array:
     """Standard deviations of the coordinates: H^-1 (sum g g^T) H^-1 with scores g summed over what is correlated.
 
-    Residuals are correlated within windows and, where the model is wrong, within whole recordings: the larger counts.
+    Residuals are correlated within windows and, where the model is wrong, within whole recordings. The largest counts,
+    and no less than H^-1, what is left when nuisances may be anything that their priors allow.
     """
     train = metric.campaign.train
     clean = metric.project(found.jacobian, found.free)[train]
     inverse = np.linalg.pinv(clean.T @ clean)
     score = clean * found.residual[train][:, None]
-    found_variances = []
+    variances = [np.diag(inverse)]
     for cluster in (window_numbers(metric)[train], metric.campaign.recording_of[train]):
         sums = np.stack([np.bincount(cluster, column) for column in score.T], axis=1)
-        found_variances.append(np.diag(inverse @ (sums.T @ sums) @ inverse))
-    return np.sqrt(np.max(found_variances, axis=0))
+        variances.append(np.diag(inverse @ (sums.T @ sums) @ inverse))
+    return np.sqrt(np.max(variances, axis=0))
 
 
 def window_numbers(metric: Metric) -> Array:

@@ -2,8 +2,8 @@
 
 Residuals are whitened by v = noise^2 + spread^2. The spread is what refining the model's hinges still changes; the mean
 of that change is taken out by Richardson extrapolation. Nuisances are linear columns b_i with prior deviations s_i:
-joint zero offsets, and tolerances of viscous friction, pressure gain, stiffness and damping as every healthy machine
-has them. They are estimated on the training entries and removed everywhere, so that with B = [b_i s_i] whitened
+joint zero offsets, and tolerances of viscous friction, pressure gain, stiffness, mass and damping as every healthy
+machine has them. They are estimated on the training entries and removed everywhere, so that with B = [b_i s_i] whitened
 
     <x, y> = x^T y - x^T B (1 + B^T B)^-1 B^T y        (sums over training entries)
 
@@ -28,6 +28,7 @@ LIMIT = 2.5  # prior deviations: what goes further is no tolerance but a cause
 ORDER = 2  # of convergence in the number of hinges
 LEFT = 0.5  # share of the extrapolated change that may be wrong
 REACH = 5  # blocks over which the spread is carried, for phase
+MASS = 0.003  # of a link
 GAIN = 0.002  # of a pressure sensor
 VISCOUS = 0.5  # of the machine file's, that may be missing or too much
 ZERO_OFFSET, OFFSET_STEP = np.radians(0.6), 0.005  # rad: prior of a joint's zero offset, step of its secant
@@ -60,6 +61,9 @@ def tolerances() -> tuple[Tolerance, ...]:
     for axis, percent in (("v", 0.5), ("w", 0.5), ("torsion", 1.0)):
         softer = [make_effect("link_stiffness", {"link": k, "axis": axis, "factor": 0.99}) for k in (2, 3, 4, 5)]
         found.append(Tolerance(f"stiffness {axis}", tuple(softer), percent))
+    for link in (2, 3, 4, 5):
+        heavier = make_effect("link_mass", {"link": link, "factor": 1.01})
+        found.append(Tolerance(f"mass {link}", (heavier,), 100 * MASS))
     damping = (make_effect("structural_damping", {"factor": 1.1}),)
     return (*found, Tolerance("damping", damping, 0.5))
 
@@ -132,7 +136,7 @@ def around(metric: Metric, effects: tuple[Effect, ...]) -> Metric:
     """
     campaign = metric.campaign
     dynamic = metric.nuisances[STILL:]
-    base, *shifted = campaign.predict([effects, *((*effects, *t.hypothesis) for t in dynamic)], HINGES)
+    base, *shifted = campaign.predict([effects, *((*effects, *t.hypothesis) for t in dynamic)], COARSE)
     raw = metric.basis[:, :STILL] / np.where(metric.weight > 0, metric.weight, 1)[:, None]
     return _weigh(campaign, effects, [*raw.T, *((s - base) * t.deviation for s, t in zip(shifted, dynamic))])
 

@@ -77,7 +77,7 @@ def _upright() -> Any:
 
 @cache
 def _covariance(variance: float, axes: int) -> Array:
-    """Diagonal 3 x 3 covariance, row major, with the variance on the first `axes` axes; shared, not to be written to."""
+    """Diagonal 3 x 3 covariance, row major, with the variance on the first `axes` axes; shared."""
     found = np.diag([variance if i < axes else 0.0 for i in range(3)]).ravel()
     found.flags.writeable = False
     return found
