@@ -353,7 +353,7 @@ def main() -> None:
         "lenses": "\n".join(lens_rows(clean)),
         "markers": "\n".join(marker_rows("vertical")),
         "pull": ", ".join(f"{v:.2f}" for v in pull("vertical")),
-        "frequency": f"{seen:.4f} +- {error:.4f} Hz seen, {true:.4f} Hz true, {100 * (seen / true - 1):+.3f} %",
+        "frequency": f"{seen:.6f} +- {error:.6f} Hz seen, {true:.6f} Hz true, {100 * (seen / true - 1):+.4f} %",
         "speed": f"{tip_speed('vertical'):.1f}",
         "spoilt": "\n".join(spoilt_rows()),
         "hidden": "\n".join(occlusion_rows("fold_in")),
