@@ -10,7 +10,7 @@ from threadpoolctl import threadpool_limits
 from boom_mj.effects import SignalEffect
 from boom_mj.gap.campaign import COARSE, HINGES, Campaign
 from boom_mj.gap.candidate import Candidate, everywhere
-from boom_mj.gap.fit import fit
+from boom_mj.gap.fit import ROUGH, fit
 from boom_mj.gap.judge import Closure, Judged, closure, gap, judge, worse_by
 from boom_mj.gap.metric import Metric, around, make_metric
 from boom_mj.gap.next_experiment import next_experiment
@@ -119,7 +119,7 @@ def shortlist(screened: Sequence[Screened]) -> list[Screened]:
 
 def _fit_all(metric: Metric, candidates: Sequence[Candidate]) -> list[Judged]:
     with ThreadPoolExecutor(max(1, len(candidates))) as threads:
-        judged = list(threads.map(lambda c: judge(metric, fit(metric, c)), candidates))
+        judged = list(threads.map(lambda c: judge(metric, fit(metric, c, ROUGH)), candidates))
     return sorted(judged, key=lambda j: j.held_out)
 
 
@@ -165,9 +165,8 @@ def _polished(contest: Sequence[Judged]) -> list[Judged]:
 def _polish(judged: Judged) -> Judged:
     """Fit again with nuisances and model error taken where the first fit has led."""
     effects = judged.fit.effects
-    if all(isinstance(effect, SignalEffect) for effect in effects):
-        return judged
-    metric = around(judged.metric, effects)
+    sensors_only = all(isinstance(effect, SignalEffect) for effect in effects)
+    metric = judged.metric if sensors_only else around(judged.metric, effects)
     again = judge(metric, fit(metric, Candidate(effects)))
     return min(judged, again, key=lambda j: j.train)
 

@@ -1,6 +1,5 @@
 """Fitting a candidate: Levenberg-Marquardt over its knobs, nuisances projected out, Broyden's update in between."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +12,7 @@ from boom_mj.gap.metric import Metric
 Array = np.ndarray
 ITERATIONS = 10
 STEP = 0.05  # of a coordinate, for secants
-ENOUGH = 1e-4  # relative fall of the cost below which it has converged
+ROUGH, SHARP = 1e-2, 1e-4  # relative fall of the cost below which it has converged
 PRIOR = 30.0  # deviation of a coordinate: keeps what the data do not tell from running away
 
 
@@ -40,8 +39,12 @@ class Fit:
     cost: float
 
 
-def fit(metric: Metric, candidate: Candidate, on_step: Callable[[], None] = lambda: None) -> Fit:
-    """Fit a candidate on the training entries."""
+def fit(metric: Metric, candidate: Candidate, enough: float = SHARP) -> Fit:
+    """Fit a candidate on the training entries.
+
+    Args:
+        enough: relative fall of the cost below which it has converged.
+    """
     train = metric.campaign.train
     low, high = candidate.bounds()
     theta = np.clip(candidate.start, low, high)
@@ -72,13 +75,12 @@ def fit(metric: Metric, candidate: Candidate, on_step: Callable[[], None] = lamb
         if np.max(np.abs(new - theta)) < 1e-4:
             break
         (found,) = residuals([new])
-        on_step()
         new_cost = cost_of(found, new)
         if new_cost < cost:
             moved = new - theta
             miss = (residual - found) - jacobian @ moved
             jacobian = jacobian + np.outer(miss, moved) / (moved @ moved)
-            done = cost - new_cost < ENOUGH * cost
+            done = cost - new_cost < enough * cost
             theta, residual, cost, damping = new, found, new_cost, damping / 10
             if done and fresh:
                 break
