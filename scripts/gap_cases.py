@@ -63,7 +63,8 @@ def main() -> None:
         told = brief(json.loads(truth.read_text())["effects"], "magnitude") if truth.exists() else "sealed"
         gaps, closed = answer["gap"]["holdout"], answer["gap"]
         low, high = closed["closure_interval"]
-        ties = "; ".join(t["id"] for t in answer["ties"][0][1:]) if answer["ties"] else ""
+        rivals = answer["ties"][0][1:] if answer["ties"] else []
+        ties = "; ".join(" + ".join(e["id"] for e in (one, *one.get("with", ()))) for one in rivals)
         rows.append(
             f"| {name} | {told} | {answer['verdict']} | {brief(answer['effects'], 'parameters')} | "
             f"{gaps['before']:.2f} -> {gaps['after']:.2f} | {closed['closure']:.3f} [{low:.3f}, {high:.3f}] | {ties} | "

@@ -107,8 +107,7 @@ def rival(found: Diagnosis, other: Judged) -> dict[str, Any]:
         why += (
             f"; it fits the training data better ({other.train:.2f}) than what it has not seen ({other.held_out:.2f})"
         )
-    brief = _brief(other.fit.effects)
-    return {**brief[0], "with": brief[1:], "holdout_gap": other.held_out, "why_not": why}
+    return {**_brief(other.fit.effects), "holdout_gap": other.held_out, "why_not": why}
 
 
 def sentence(found: Diagnosis) -> str:
@@ -169,8 +168,10 @@ def _in_words(effect: Effect) -> str:
     return f"{effect.id.replace('_', ' ')}{f' at {place}' if place else ''} ({sizes})"
 
 
-def _brief(effects: Sequence[Effect]) -> list[dict[str, Any]]:
-    return [{"id": effect.id, "location": effect.location} for effect in effects]
+def _brief(effects: Sequence[Effect]) -> dict[str, Any]:
+    """An explanation by name: its first effect, and the others beside it."""
+    first, *others = ({"id": effect.id, "location": effect.location} for effect in effects)
+    return {**first, "with": others} if others else first
 
 
 def _closure(found: Diagnosis, judged: Judged) -> float:

@@ -24,7 +24,7 @@ SMALLEST = 0.10  # fall of the held-out mean square that counts
 SECOND = 0.01  # ... for a second effect besides, in units of what the first took away
 HALF = 0.5  # share of the remaining gap that a second effect must close
 QUIET = 1.15  # held-out gap up to which nothing needs explaining
-SLACK = 0.03  # of the gap, that an explanation may leave besides
+SLACK = 0.02  # of the gap, that an explanation may leave besides
 CLOSE = 1.5  # times the best held-out gap, up to which a rival is fitted again
 TIE = 0.03  # closure within which rivals tie
 

@@ -60,7 +60,7 @@ def judge_case(case: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -
     """Hold an answer against what was sealed."""
     true, named = truth["effects"], answer["effects"]
     ids, found = sorted(e["id"] for e in true), sorted(e["id"] for e in named)
-    tied = {e["id"] for tie in answer["ties"] for e in tie}
+    tied = _tied(answer)
     right = placed = held = False
     if truth["class"] == "none":
         right = placed = held = answer["verdict"] == "consistent"
@@ -109,6 +109,11 @@ def holds(true: Mapping[str, float], named: Mapping[str, Mapping[str, Any]]) -> 
     return inside
 
 
+def _tied(answer: Mapping[str, Any]) -> set[str]:
+    """Ids that an answer calls as good as its own."""
+    return {e["id"] for tie in answer["ties"] for one in tie for e in (one, *one.get("with", ()))}
+
+
 def _number(value: float | None) -> float:
     return np.nan if value is None else float(value)
 
@@ -131,7 +136,7 @@ def _reason(truth: Mapping[str, Any], answer: Mapping[str, Any], right: bool) ->
     if answer["verdict"] == "unexplained":
         suspects = " + ".join(_in_words(e) for e in answer.get("suspect", [])) or "nothing"
         return f"not explained: {true}; suspected was {suspects}"
-    tied = {e["id"] for tie in answer["ties"] for e in tie}
+    tied = _tied(answer)
     beside = "; the truth is in the tie" if {e["id"] for e in truth["effects"]} & tied else ""
     return f"taken for {named}: {true}{beside}"
 

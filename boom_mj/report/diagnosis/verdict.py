@@ -14,6 +14,7 @@ from boom_mj.report.diagnosis.words import (
     capital,
     digits_of,
     effect_name,
+    explanation_name,
     gap_size,
     number,
     percent,
@@ -34,7 +35,7 @@ def section(view: View) -> Section:
             "effects": [row for effect in answer["effects"] or answer["suspect"] for row in rows(effect)],
             "suspect": bool(answer["suspect"]),
             "physics": {effect["id"]: physics(effect["id"]) for effect in answer["effects"] or answer["suspect"]},
-            "ties": [" + ".join(map(effect_name, tie)) for tie in _ties(view)],
+            "ties": [explanation_name(tie) for tie in _ties(view)],
             "next_experiment": answer["next_experiment"],
             "zero_offsets": [(k, f"{d:+.2f}".replace("-", MINUS)) for k, d in offsets(view)],
         },
@@ -50,7 +51,7 @@ def headline(answer: Mapping[str, Any]) -> str:
         case "unexplained":
             return "No effect of the library explains the gap"
         case "ambiguous":
-            others = ", or ".join(" and ".join(map(effect_name, tie)) for tie in answer["ties"][0][1:])
+            others = ", or ".join(explanation_name(tie) for tie in answer["ties"][0][1:])
             return f"{capital(names)}, or {others}"
     several = len(answer["effects"]) > 1
     return f"{capital(names)} {'explain' if several else 'explains'} the gap"

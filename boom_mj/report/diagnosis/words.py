@@ -53,6 +53,11 @@ def effect_name(effect: Mapping[str, Any]) -> str:
     return effect["id"].replace("_", " ") + (f" ({place})" if place else "")
 
 
+def explanation_name(explanation: Mapping[str, Any]) -> str:
+    """An explanation of one effect, or of several: {id, location, with}."""
+    return " and ".join(map(effect_name, (explanation, *explanation.get("with", ()))))
+
+
 def capital(text: str) -> str:
     """With a capital letter."""
     return text[:1].upper() + text[1:]
