@@ -1,14 +1,18 @@
 """A link heavier or lighter than its drawing."""
 
 import mujoco
+import numpy as np
 
 from boom_mj.effects.effect import ModelEffect, Parameter
-from boom_mj.effects.structure import link_bodies
+from boom_mj.effects.structure import stretches
 from boom_mj.machine import Machine
+
+Array = np.ndarray
+FLAT = 1e-6  # least extent of a body over its largest, squared
 
 
 class LinkMass(ModelEffect):
-    """All masses of a link, attached components included, times a factor; its centre of gravity stays."""
+    """The mass of a link that its drawing tells, times a factor; actuators at its joints keep theirs."""
 
     id = "link_mass"
     places = {"link": (2, 3, 4, 5)}
@@ -17,6 +21,31 @@ class LinkMass(ModelEffect):
     told_by = "sweep"
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
-        for body in link_bodies(spec, int(self.location["link"])):
-            body.mass = body.mass * self.values["factor"]
-            body.fullinertia = body.fullinertia * self.values["factor"]
+        number, factor = int(self.location["link"]), self.values["factor"]
+        if factor == 1:
+            return
+        link, actuators = machine.links[number - 2], machine.masses_on_link[number - 2]
+        slope = link.offset / link.length if machine.offset_profile.kind == "ramp" else 0.0
+        for body, start, stop in stretches(spec, machine, number):
+            there = [(x, mass) for x, mass in actuators if start <= x < stop or x == stop == 0]
+            parts = [(1 - factor, mass, np.array([x, 0.0, slope * x]), np.zeros((3, 3))) for x, mass in there]
+            _set_sum(body, [(factor, body.mass, np.array(body.ipos), _spread(body)), *parts])
+
+
+def _spread(body: mujoco.MjsBody) -> Array:
+    """Second moment of a body's mass about its centre, (3, 3), kg m^2."""
+    xx, yy, zz, xy, xz, yz = body.fullinertia
+    tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    return np.trace(tensor) / 2 * np.eye(3) - tensor
+
+
+def _set_sum(body: mujoco.MjsBody, parts: list[tuple[float, float, Array, Array]]) -> None:
+    """A body of parts (factor, mass, centre, second moment about it); what is taken away counts as negative."""
+    mass = sum(factor * m for factor, m, _, _ in parts)
+    center = np.sum([factor * m * c for factor, m, c, _ in parts], axis=0) / mass
+    spread = np.sum([f * (own + m * np.outer(c - center, c - center)) for f, m, c, own in parts], axis=0)
+    size, axes = np.linalg.eigh(spread)
+    spread = (axes * np.maximum(size, FLAT * size.max())) @ axes.T  # nothing is thinner than flat
+    tensor = np.trace(spread) * np.eye(3) - spread
+    body.mass, body.ipos = mass, center
+    body.fullinertia = [*np.diag(tensor), tensor[0, 1], tensor[0, 2], tensor[1, 2]]

@@ -1,0 +1,57 @@
+"""An effect that both models can have changes both alike: what MuJoCo is given as an effect, the reference as a machine."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from boom_mj.effects import make_effect
+from boom_mj.machine import Machine, load_machine
+from boom_mj.reference import ReferenceModel, Simplifications
+from boom_mj.simulation import make_plant
+
+BOOM = load_machine(Path(__file__).parents[2] / "models" / "boom36.toml")
+BENT = np.array([0.0, 0.9, -0.5, -0.4, -0.3])  # rad
+MODULI = {"v": "youngs_modulus_y", "w": "youngs_modulus_z", "torsion": "shear_modulus"}
+MODES = 3
+APART = (
+    0.004  # of a frequency's change over its value: both models are within 1 % of each other, and differ as much here
+)
+
+
+def with_link(link: int, **factors: float) -> Machine:
+    """The machine with some numbers of a link times factors."""
+    links = list(BOOM.links)
+    old = links[link - 2]
+    changed = {name: scaled(getattr(old, name), factor) for name, factor in factors.items()}
+    links[link - 2] = old.model_copy(update=changed)
+    return BOOM.model_copy(update={"link": tuple(links)})
+
+
+def scaled(value: float | tuple[float, float], factor: float) -> float | tuple[float, ...]:
+    return tuple(factor * v for v in value) if isinstance(value, tuple) else factor * value
+
+
+def reference_modes(machine: Machine) -> np.ndarray:
+    model = ReferenceModel(machine, Simplifications(linear_kinematics=False))
+    return model.modes(model.static_equilibrium(BENT)).frequency[:MODES]
+
+
+def plant_modes(*effects: tuple[str, dict]) -> np.ndarray:
+    plant = make_plant(BOOM, 1, [make_effect(name, values) for name, values in effects])
+    return plant.modes(plant.static_equilibrium(BENT)).frequency[:MODES]
+
+
+@pytest.mark.parametrize("link", [2, 3, 5])
+@pytest.mark.parametrize("axis", MODULI)
+def test_a_softer_link(link: int, axis: str) -> None:
+    wanted = reference_modes(with_link(link, **{MODULI[axis]: 0.8})) / reference_modes(BOOM)
+    found = plant_modes(("link_stiffness", {"link": link, "axis": axis, "factor": 0.8})) / plant_modes()
+    np.testing.assert_allclose(found, wanted, atol=APART)
+
+
+@pytest.mark.parametrize("link", [2, 3, 4, 5])
+def test_a_heavier_link(link: int) -> None:
+    wanted = reference_modes(with_link(link, mass=1.2, rotary_inertia=1.2)) / reference_modes(BOOM)
+    found = plant_modes(("link_mass", {"link": link, "factor": 1.2})) / plant_modes()
+    np.testing.assert_allclose(found, wanted, atol=APART)
