@@ -1,4 +1,4 @@
-"""An effect that both models can have changes both alike: what MuJoCo is given as an effect, the reference as a machine."""
+"""What both models can have changes both alike: MuJoCo gets it as an effect, the reference as another machine."""
 
 from pathlib import Path
 
