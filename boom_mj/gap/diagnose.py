@@ -25,6 +25,7 @@ SECOND = 0.01  # ... for a second effect besides, in units of what the first too
 HALF = 0.5  # share of the remaining gap that a second effect must close
 QUIET = 1.15  # held-out gap up to which nothing needs explaining
 SLACK = 0.02  # of the gap, that an explanation may leave besides
+ROUNDS, WORSE = 2, 1.2  # of polishing, and the growth of the training gap at which it is given up
 CLOSE = 1.5  # times the best held-out gap, up to which a rival is fitted again
 TIE = 0.03  # closure within which rivals tie
 
@@ -163,12 +164,18 @@ def _polished(contest: Sequence[Judged]) -> list[Judged]:
 
 
 def _polish(judged: Judged) -> Judged:
-    """Fit again with nuisances and model error taken where the first fit has led."""
-    effects = judged.fit.effects
-    sensors_only = all(isinstance(effect, SignalEffect) for effect in effects)
-    metric = judged.metric if sensors_only else around(judged.metric, effects)
-    again = judge(metric, fit(metric, Candidate(effects)))
-    return min(judged, again, key=lambda j: j.train)
+    """Fit again with nuisances and model error taken where the last fit has led, until it stays there."""
+    for _ in range(ROUNDS):
+        effects = judged.fit.effects
+        sensors_only = all(isinstance(effect, SignalEffect) for effect in effects)
+        metric = judged.metric if sensors_only else around(judged.metric, effects)
+        again = judge(metric, fit(metric, Candidate(effects)))
+        if again.train > WORSE * judged.train:
+            break
+        moved, judged = np.abs(again.fit.coordinates - judged.fit.coordinates), again
+        if np.all(moved < again.deviation):
+            break
+    return judged
 
 
 def choose(contest: Sequence[Judged], before: float) -> Judged | None:
