@@ -130,11 +130,11 @@ def _summary(answer: dict[str, Any]) -> str:
 
 
 def _write_predictions(found: Any, folder: Path, paths: list[Path]) -> None:
-    from boom_mj.gap import still_tolerances
+    from boom_mj.gap import estimated_tolerances
     from boom_mj.gap.campaign import HINGES
 
     folder.mkdir(parents=True, exist_ok=True)
-    tolerances = still_tolerances(found)
+    tolerances = estimated_tolerances(found)
     corrected = (*tolerances, *(found.best.fit.effects if found.best else ()))
     for kind, hypothesis in (("nominal", tolerances), ("corrected", corrected)):
         for index, (log, path) in enumerate(zip(found.metric.campaign.recordings, paths)):

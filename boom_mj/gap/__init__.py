@@ -1,7 +1,7 @@
 """The diagnosis of the sim-to-real gap: where it lies, which effect causes it, how far it shrinks."""
 
 from boom_mj.gap.answer import document as document
-from boom_mj.gap.answer import still_tolerances as still_tolerances
+from boom_mj.gap.answer import estimated_tolerances as estimated_tolerances
 from boom_mj.gap.answer import with_effects_text as with_effects_text
 from boom_mj.gap.campaign import Campaign as Campaign
 from boom_mj.gap.diagnose import Diagnosis as Diagnosis

@@ -11,7 +11,6 @@ from boom_mj.gap.campaign import FINE, HINGES
 from boom_mj.gap.candidate import Candidate
 from boom_mj.gap.diagnose import Diagnosis
 from boom_mj.gap.judge import Judged, gap
-from boom_mj.gap.metric import STILL
 from boom_mj.gap.where import in_words, locate, looks
 
 SURE = 1.96  # deviations of a 95 % interval
@@ -130,26 +129,26 @@ def sentence(found: Diagnosis) -> str:
 
 
 def with_effects_text(machine_text: str, found: Diagnosis) -> str:
-    """A machine file's text with the effects of the best explanation and the tolerances of its joints and cylinders."""
-    effects = [*still_tolerances(found), *(found.best.fit.effects if found.best else ())]
+    """A machine file's text with the effects of the best explanation and the tolerances that were estimated."""
+    effects = [*estimated_tolerances(found), *(found.best.fit.effects if found.best else ())]
     return machine_text.rstrip("\n") + "\n" + "".join(f"\n{_toml(effect)}" for effect in effects)
 
 
-def still_tolerances(found: Diagnosis) -> tuple[Effect, ...]:
-    """Nuisances of joints and cylinders as effects of the size that the diagnosis estimated: zero offsets first."""
+def estimated_tolerances(found: Diagnosis) -> tuple[Effect, ...]:
+    """Nuisances as effects of the size that the diagnosis estimated, zero offsets first; none of the named causes."""
     metric = found.best.metric if found.best else found.metric
     effects = found.best.fit.effects if found.best else ()
     estimate = metric.estimate(metric.residual(metric.campaign.predict([effects], HINGES)[0]))
     named = {(effect.id, tuple(effect.location.items())) for effect in effects}
     values: dict[tuple, dict[str, float]] = {}
-    for share, tolerance in zip(estimate, metric.nuisances[:STILL]):
-        (whole,) = tolerance.hypothesis
-        place = (whole.id, tuple(whole.location.items()))
-        for name, value in whole.values.items():
-            neutral = whole.parameters[name].neutral
-            if value != neutral and place not in named:
-                size = neutral + share * tolerance.deviation * (value - neutral)
-                values.setdefault(place, {})[name] = float(np.clip(size, *whole.parameters[name].bounds))
+    for share, tolerance in zip(estimate, metric.nuisances):
+        for whole in tolerance.hypothesis:
+            place = (whole.id, tuple(whole.location.items()))
+            for name, value in whole.values.items():
+                neutral = whole.parameters[name].neutral
+                if value != neutral and place not in named:
+                    size = neutral + share * tolerance.deviation * (value - neutral)
+                    values.setdefault(place, {})[name] = float(np.clip(size, *whole.parameters[name].bounds))
     return tuple(make_effect(name, {**dict(place), **sizes}) for (name, place), sizes in values.items())
 
 

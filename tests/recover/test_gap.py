@@ -50,10 +50,12 @@ def test_a_payload_comes_back() -> None:
     assert answer["verdict"] == "explained"
     (effect,) = answer["effects"]
     assert effect["id"] == "tip_payload"
-    assert effect["parameters"]["mass"]["value"] == pytest.approx(45, rel=0.02)
+    mass = effect["parameters"]["mass"]
+    assert mass["value"] == pytest.approx(45, rel=0.03) and mass["low"] < 45 < mass["high"]
     assert answer["gap"]["closure"] > 0.9
     corrected = parse_machine(with_effects_text(FILE.read_text(), found))
-    assert [entry.id for entry in corrected.effect] == ["joint_zero_offset", "tip_payload"]
+    ids = [entry.id for entry in corrected.effect]
+    assert (ids[0], ids[-1], ids.count("tip_payload")) == ("joint_zero_offset", "tip_payload", 1)
     assert corrected.effect[0].model_extra["joint2"] == pytest.approx(-0.004, abs=3e-4)
 
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from boom_mj.gap import still_tolerances
+from boom_mj.gap import estimated_tolerances
 from boom_mj.report.diagnosis.section import Section
 from boom_mj.report.diagnosis.view import View
 from boom_mj.report.diagnosis.words import (
@@ -97,7 +97,7 @@ def rows(effect: Mapping[str, Any]) -> list[dict[str, str]]:
 
 def offsets(view: View) -> list[tuple[str, float]]:
     """Zero offsets of the joint sensors that were estimated along, degrees."""
-    zero = next(effect for effect in still_tolerances(view.found) if effect.id == "joint_zero_offset")
+    zero = next(effect for effect in estimated_tolerances(view.found) if effect.id == "joint_zero_offset")
     return [(name.replace("joint", f"joint{SPACE}"), np.degrees(v)) for name, v in zero.values.items()]
 
 
