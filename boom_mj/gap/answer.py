@@ -117,7 +117,8 @@ def sentence(found: Diagnosis) -> str:
         return f"No gap beyond noise and model error: {before:.2f} on what was held out, 1 is the floor."
     where = in_words(locate(campaign, found.nominal))
     if found.best is None or found.verdict == "unexplained":
-        tried = f"; {found.best.label} would close {found.closure.value:.0%} only" if found.best else ""
+        leaves = f"close {found.closure.value:.0%} and leave {found.best.held_out:.1f}" if found.best else ""
+        tried = f"; {found.best.label} would {leaves}" if found.best else ""
         return f"The gap of {before:.1f} has no explanation in the library{tried}: {where}."
     cause = " and ".join(_in_words(effect) for effect in found.best.fit.effects)
     text = f"{cause[0].upper()}{cause[1:]} closes {found.closure.value:.0%} of the held-out gap of {before:.1f}"
