@@ -114,7 +114,7 @@ class _Part:
         for topic in TOPICS:
             present = {field: name for field, name in topic.signals.items() if name in recording}
             if present:
-                rows = {field: recording[name].values for field, name in present.items()}
+                rows = {field: recording[name].values + 0.0 for field, name in present.items()}  # no negative zeros
                 noise = {field: self.variance[name] for field, name in present.items() if name in self.variance}
                 found.append(_Column(self.prefix + topic.name, topic, _stamps(recording, topic), rows, noise))
         if not found:
