@@ -2,8 +2,6 @@
 
 import json
 import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
@@ -39,6 +37,7 @@ def make(
 
     Nothing is lost by an interruption: the same call goes on where it was.
     """
+    from boom_mj.cli.progress import progress
     from boom_mj.gap.blind import MIX, SHORT, SUITE, make_cases
 
     if output.resolve() in seed_file.resolve().parents:
@@ -46,10 +45,9 @@ def make(
     if not seed_file.is_file():
         raise InputError(f"{seed_file}: there is no such seed file")
     suite, shares = SHORT if short else SUITE, _shares(mix) if mix else dict(MIX)
-    made = make_cases(cases, seed_file.read_bytes(), machine_text(machine), suite, shares, output, seal, jobs)
-    tell = _progress("made", cases)
-    for done in made:
-        tell(done)
+    with progress() as report:
+        for done in make_cases(cases, seed_file.read_bytes(), machine_text(machine), suite, shares, output, seal, jobs):
+            report("cases", done, cases)
     print(f"{cases} cases in {output}, sealed in {seal}: {(output / 'seal.sha256').read_text().strip()}")
 
 
@@ -65,18 +63,20 @@ def run(
     ] = None,
 ) -> None:
     """Diagnose every case that has no answer yet, each by a process that can open nothing but its case."""
+    from boom_mj.cli.progress import progress
     from boom_mj.gap.blind import answer_cases, waiting_cases
 
     answers = _answers(folder, output)
     waiting, count = waiting_cases(folder, answers)
-    done, failed, tell = count - len(waiting), [], _progress("answered", count)
-    tell(done)
-    for case, error in answer_cases(waiting, (folder / "machine.toml").read_text(), answers, jobs, cluster):
-        done += 1
-        if error:
-            failed.append(case.name)
-            print(f"warning: case {case.name}: {error}", file=sys.stderr)
-        tell(done)
+    done, failed = count - len(waiting), []
+    with progress() as report:
+        report("answers", done, count)
+        for case, error in answer_cases(waiting, (folder / "machine.toml").read_text(), answers, jobs, cluster):
+            done += 1
+            if error:
+                failed.append(case.name)
+                print(f"warning: case {case.name}: {error}", file=sys.stderr)
+            report("answers", done, count)
     if failed:
         raise BoomError(
             f"{len(failed)} of {count} cases have no answer ({', '.join(failed)}); run again to try them again"
@@ -139,19 +139,3 @@ def _shares(mix: str) -> dict[str, float]:
         except ValueError as error:
             raise InputError(f"--mix {word}: should read class=share") from error
     return shares
-
-
-def _progress(verb: str, count: int) -> Callable[[int], None]:
-    """Tells on stderr how many are done and how long the rest will take."""
-    began, first = time.perf_counter(), -1
-
-    def tell(done: int) -> None:
-        nonlocal first
-        first = done if first < 0 else first
-        left = ""
-        if first < done < count:
-            minutes = (time.perf_counter() - began) / (done - first) * (count - done) / 60
-            left = f", about {minutes:.0f} min left" if minutes >= 1 else ", less than a minute left"
-        print(f"{done}/{count} {verb}{left}", file=sys.stderr)
-
-    return tell

@@ -169,26 +169,25 @@ class Campaign:
             dense, signals = self._signals(hypothesis, hinges, index)
         except BoomError:
             return np.full(sum(len(channel.time) for channel in channels), np.nan)
-        plain = (frozenset(_without_sensors(hypothesis)), hinges, index)
+        healthy = not _without_sensors(hypothesis)
         parts = []
         for channel in channels:
-            key = (*plain, channel.signal, channel.column)
-            unaltered = signals[channel.signal] is dense[channel.signal]
-            if not (unaltered and key in self._parts):
-                values = np.interp(
-                    self._elapsed(index, channel.signal),
-                    signals[channel.signal].time,
-                    signals[channel.signal].values[:, channel.column],
-                )
-                hidden = np.isnan(self.recordings[index][channel.signal].values[:, channel.column])
-                values[hidden] = np.nan
-                part = block_means(self._elapsed(index, channel.signal), values)[2]
-                if not (unaltered and key[0] == frozenset()):
-                    parts.append(part)
-                    continue
-                self._parts[key] = part
-            parts.append(self._parts[key])
+            unaltered = healthy and signals[channel.signal] is dense[channel.signal]
+            key = (hinges, index, channel.signal, channel.column) if unaltered else None
+            parts.append(self._means(channel, signals[channel.signal], key))
         return np.concatenate(parts)
+
+    def _means(self, channel: Channel, signal: Signal, key: tuple | None) -> Array:
+        """Means over the blocks of a channel, NaN where it was hidden; kept under the key, if there is one."""
+        if key is not None and key in self._parts:
+            return self._parts[key]
+        elapsed = self._elapsed(channel.recording, channel.signal)
+        values = np.interp(elapsed, signal.time, signal.values[:, channel.column])
+        values[np.isnan(self.recordings[channel.recording][channel.signal].values[:, channel.column])] = np.nan
+        means = block_means(elapsed, values)[2]
+        if key is not None:
+            self._parts[key] = means
+        return means
 
     def twin(self, hypothesis: Hypothesis, hinges: int, index: int) -> dict[str, Array]:
         """What the sensors of a hypothesis would have said, by signal, at the log's own times, (n, k) each.

@@ -23,12 +23,12 @@ from boom_mj.effects import Effect, make_effect
 from boom_mj.gap.campaign import COARSE, FINE, HINGES, Campaign
 
 Array = np.ndarray
-STILL = 9  # nuisances whose columns hardly depend on how the boom swings: of joints and of cylinders
 LIMIT = 2.5  # prior deviations: what goes further is no tolerance but a cause
 ORDER = 2  # of convergence in the number of hinges
 LEFT = 0.5  # share of the extrapolated change that may be wrong
 REACH = 5  # blocks over which the spread is carried, for phase
-MASS = 0.003  # of a link
+STIFFNESS = {"v": 0.005, "w": 0.005, "torsion": 0.01}  # of all links
+MASS, DAMPING = 0.003, 0.05  # of a link, of all of them
 GAIN = 0.002  # of a pressure sensor
 VISCOUS = 0.5  # of the machine file's, that may be missing or too much
 ZERO_OFFSET, OFFSET_STEP = np.radians(0.6), 0.005  # rad: prior of a joint's zero offset, step of its secant
@@ -36,36 +36,37 @@ ZERO_OFFSET, OFFSET_STEP = np.radians(0.6), 0.005  # rad: prior of a joint's zer
 
 @dataclass(frozen=True)
 class Tolerance:
-    """A nuisance: the hypothesis whose effect is its column, and its prior deviation in units of that hypothesis."""
+    """A nuisance: the hypothesis whose effect is its column, and its prior deviation in units of that hypothesis.
 
-    name: str
+    Attributes:
+        still: whether its column hardly depends on how the boom swings.
+    """
+
     hypothesis: tuple[Effect, ...]
     deviation: float
+    still: bool = False
 
 
 def tolerances() -> tuple[Tolerance, ...]:
     """What differs between healthy machines, all of it small."""
-    joints = [f"joint{k}" for k in range(1, 6)]
     found = [
         Tolerance(
-            f"zero offset {name}", (make_effect("joint_zero_offset", {name: OFFSET_STEP}),), ZERO_OFFSET / OFFSET_STEP
+            (make_effect("joint_zero_offset", {f"joint{k}": OFFSET_STEP}),), ZERO_OFFSET / OFFSET_STEP, still=True
         )
-        for name in joints
+        for k in range(1, 6)
     ]
-    for joint in (2, 3):
-        slippery = make_effect("viscous_friction", {"joint": joint, "factor": 0.0})
-        found.append(Tolerance(f"viscous friction {joint}", (slippery,), VISCOUS))
-    for cylinder in (2, 3):
-        reading = make_effect("pressure_scale", {"cylinder": cylinder, "factor": 1.01})
-        found.append(Tolerance(f"pressure gain {cylinder}", (reading,), 100 * GAIN))
-    for axis, percent in (("v", 0.5), ("w", 0.5), ("torsion", 1.0)):
+    for number in (2, 3):
+        slippery = make_effect("viscous_friction", {"joint": number, "factor": 0.0})
+        found.append(Tolerance((slippery,), VISCOUS, still=True))
+    for number in (2, 3):
+        reading = make_effect("pressure_scale", {"cylinder": number, "factor": 1.01})
+        found.append(Tolerance((reading,), GAIN / 0.01, still=True))
+    for axis, deviation in STIFFNESS.items():
         softer = [make_effect("link_stiffness", {"link": k, "axis": axis, "factor": 0.99}) for k in (2, 3, 4, 5)]
-        found.append(Tolerance(f"stiffness {axis}", tuple(softer), percent))
+        found.append(Tolerance(tuple(softer), deviation / 0.01))
     for link in (2, 3, 4, 5):
-        heavier = make_effect("link_mass", {"link": link, "factor": 1.01})
-        found.append(Tolerance(f"mass {link}", (heavier,), 100 * MASS))
-    damping = (make_effect("structural_damping", {"factor": 1.1}),)
-    return (*found, Tolerance("damping", damping, 0.5))
+        found.append(Tolerance((make_effect("link_mass", {"link": link, "factor": 1.01}),), MASS / 0.01))
+    return (*found, Tolerance((make_effect("structural_damping", {"factor": 1.1}),), DAMPING / 0.1))
 
 
 @dataclass(frozen=True)
@@ -130,15 +131,12 @@ def make_metric(campaign: Campaign) -> Metric:
 
 
 def around(metric: Metric, effects: tuple[Effect, ...]) -> Metric:
-    """The metric of a machine that has effects: a heavier boom swings slower, and so do its nuisances and model error.
-
-    The first STILL nuisances keep their columns.
-    """
-    campaign = metric.campaign
-    dynamic = metric.nuisances[STILL:]
-    base, *shifted = campaign.predict([effects, *((*effects, *t.hypothesis) for t in dynamic)], COARSE)
-    raw = metric.basis[:, :STILL] / np.where(metric.weight > 0, metric.weight, 1)[:, None]
-    return _weigh(campaign, effects, [*raw.T, *((s - base) * t.deviation for s, t in zip(shifted, dynamic))])
+    """The metric of a machine that has effects: a heavier boom swings slower, with its nuisances and model error."""
+    campaign, moving = metric.campaign, [t for t in metric.nuisances if not t.still]
+    base, *shifted = campaign.predict([effects, *((*effects, *t.hypothesis) for t in moving)], COARSE)
+    found = iter([(prediction - base) * t.deviation for prediction, t in zip(shifted, moving)])
+    kept = metric.basis / np.where(metric.weight > 0, metric.weight, 1)[:, None]
+    return _weigh(campaign, effects, [c if t.still else next(found) for c, t in zip(kept.T, metric.nuisances)])
 
 
 def _weigh(campaign: Campaign, effects: tuple[Effect, ...], columns: Sequence[Array]) -> Metric:

@@ -15,7 +15,12 @@ from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Ros2Writer
 from rosbags.typesys import Stores, get_typestore
 
+from boom_mj.logs import load_topic_map, read_log
+from boom_mj.logs.inspection import inspect_log
 from boom_mj.logs.messages import make, typestore
+from boom_mj.logs.proposal import propose_map
+from boom_mj.logs.topic_map import Entry, TopicMap
+from boom_mj.recording import Recording
 
 JOINTS = ("joint1", "joint2", "joint3", "joint4", "joint5")
 RATE = 50.0  # Hz
@@ -221,3 +226,23 @@ WRITERS = (
     from_msg, from_idl, from_json, from_foxglove_json, from_protobuf, from_ros1, from_ros2_bag, from_database,
     from_csv, from_german_csv, from_gzipped_csv,
 )  # fmt: skip
+
+
+def angles_entry(**changes) -> Entry:
+    usual = {"signal": "joint/position", "topic": "/joint_states", "field": "position", "unit": "rad"}
+    return Entry(**(usual | changes))
+
+
+def read(path: Path, *entries: Entry) -> Recording:
+    return read_log(path, TopicMap(entries))
+
+
+def proposed(path: Path, tmp_path: Path) -> TopicMap:
+    """The proposed map, its guesses taken as right."""
+    file = tmp_path / "map.toml"
+    file.write_text(propose_map(inspect_log(path)).replace('?"', '"'))
+    return load_topic_map(file)
+
+
+def log_of(path: Path, messages: list) -> Path:
+    return write_mcap_channels(path / "log.mcap", [ros2("/joint_states", messages)])
