@@ -139,7 +139,7 @@ def estimated_tolerances(found: Diagnosis) -> tuple[Effect, ...]:
     """Nuisances as effects of the size that the diagnosis estimated, zero offsets first; none of the named causes."""
     metric = found.best.metric if found.best else found.metric
     effects = found.best.fit.effects if found.best else ()
-    estimate = metric.estimate(metric.residual(metric.campaign.predict([effects], HINGES)[0]))
+    estimate = metric.estimate(metric.residual(*metric.predict([effects])))
     named = {(effect.id, tuple(effect.location.items())) for effect in effects}
     values: dict[tuple, dict[str, float]] = {}
     for share, tolerance in zip(estimate, metric.nuisances):

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from boom_mj.effects import SignalEffect
-from boom_mj.gap.campaign import COARSE, HINGES, Campaign
+from boom_mj.gap.campaign import COARSE, Campaign
 from boom_mj.gap.candidate import Candidate, everywhere
 from boom_mj.gap.fit import ROUGH, fit
 from boom_mj.gap.judge import Closure, Judged, closure, gap, judge, worse_by
@@ -149,7 +148,7 @@ def _combine(contest: list[Judged], without: Sequence[str], tell: Callable[[str]
         tell(f"screening beside {leader.label}")
         found, metric = leader.fit, leader.metric
         signatures = Signatures(metric, everywhere(without), spectral_lines(metric, found.residual), found.effects)
-        raw = metric.residual(metric.campaign.predict([found.effects], HINGES)[0])
+        raw = metric.residual(*metric.predict([found.effects]))
         for partner in signatures.rank(raw, found.jacobian)[:SECONDS]:
             pair = Candidate((*found.effects, *partner.candidate.effects))
             pairs.setdefault(pair.places, pair)
@@ -167,8 +166,7 @@ def _polish(judged: Judged) -> Judged:
     """Fit again with nuisances and model error taken where the last fit has led, until it stays there."""
     for _ in range(ROUNDS):
         effects = judged.fit.effects
-        sensors_only = all(isinstance(effect, SignalEffect) for effect in effects)
-        metric = judged.metric if sensors_only else around(judged.metric, effects)
+        metric = around(judged.metric, effects)
         again = judge(metric, fit(metric, Candidate(effects)))
         if again.train > WORSE * judged.train:
             break

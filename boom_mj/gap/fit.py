@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from boom_mj.effects import Effect
-from boom_mj.gap.campaign import HINGES
 from boom_mj.gap.candidate import Candidate
 from boom_mj.gap.metric import Metric
 
@@ -50,7 +49,7 @@ def fit(metric: Metric, candidate: Candidate, enough: float = SHARP) -> Fit:
     theta = np.clip(candidate.start, low, high)
 
     def residuals(points: list[Array]) -> list[Array]:
-        predictions = metric.campaign.predict([candidate.at(p) for p in points], HINGES, training_only=True)
+        predictions = metric.predict([candidate.at(p) for p in points], training_only=True)
         return [np.where(train, metric.residual(p), 0.0) for p in predictions]
 
     def cost_of(residual: Array, at: Array) -> float:

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from boom_mj.gap.campaign import HINGES
 from boom_mj.gap.fit import Fit
 from boom_mj.gap.metric import Metric
 
@@ -47,7 +46,7 @@ def gap(metric: Metric, residual: Array, rows: Array) -> float:
 def judge(metric: Metric, found: Fit) -> Judged:
     """Predict what was held out with what was learnt in training."""
     campaign = metric.campaign
-    (prediction,) = campaign.predict([found.effects], HINGES)
+    (prediction,) = metric.predict([found.effects])
     whole = replace(found, residual=metric.clean(metric.residual(prediction)))
     held_out = gap(metric, whole.residual, campaign.held_out)
     return Judged(whole, metric, gap(metric, whole.residual, campaign.train), held_out, deviations(metric, whole))

@@ -20,7 +20,7 @@ from scipy.ndimage import maximum_filter1d
 from scipy.optimize import lsq_linear
 
 from boom_mj.effects import Effect, make_effect
-from boom_mj.gap.campaign import COARSE, FINE, HINGES, Campaign
+from boom_mj.gap.campaign import COARSE, FINE, HINGES, Campaign, Hypothesis
 
 Array = np.ndarray
 LIMIT = 2.5  # prior deviations: what goes further is no tolerance but a cause
@@ -75,7 +75,8 @@ class Metric:
 
     Attributes:
         campaign: what is measured.
-        base: nominal prediction of the contest's model, (N,).
+        effects: of the machine about which all this is taken.
+        base: prediction of its simulation with HINGES, (N,).
         mean_error: what finer hinges would add to it, (N,).
         weight: 1 / sqrt(v), 0 where nothing was measured, (N,).
         basis: whitened nuisance columns times their prior deviations, (N, m).
@@ -84,12 +85,18 @@ class Metric:
     """
 
     campaign: Campaign
+    effects: Hypothesis
     base: Array
     mean_error: Array
     weight: Array
     basis: Array
     nuisances: tuple[Tolerance, ...]
     curvature: Array
+
+    def predict(self, hypotheses: Sequence[Hypothesis], training_only: bool = False) -> list[Array]:
+        """Predictions of hypotheses, (N,) each: the base, and what a coarse model says that they change in it."""
+        own, *found = self.campaign.predict([self.effects, *hypotheses], COARSE, training_only)
+        return [self.base + (other - own) for other in found]
 
     def white(self, vector: Array) -> Array:
         """Whitened, zero where nothing was measured; infinite where the simulation failed."""
@@ -130,7 +137,7 @@ def make_metric(campaign: Campaign) -> Metric:
     return _weigh(campaign, (), [(s - coarse) * t.deviation for s, t in zip(shifted, nuisances)])
 
 
-def around(metric: Metric, effects: tuple[Effect, ...]) -> Metric:
+def around(metric: Metric, effects: Hypothesis) -> Metric:
     """The metric of a machine that has effects: a heavier boom swings slower, with its nuisances and model error."""
     campaign, moving = metric.campaign, [t for t in metric.nuisances if not t.still]
     base, *shifted = campaign.predict([effects, *((*effects, *t.hypothesis) for t in moving)], COARSE)
@@ -139,7 +146,7 @@ def around(metric: Metric, effects: tuple[Effect, ...]) -> Metric:
     return _weigh(campaign, effects, [c if t.still else next(found) for c, t in zip(kept.T, metric.nuisances)])
 
 
-def _weigh(campaign: Campaign, effects: tuple[Effect, ...], columns: Sequence[Array]) -> Metric:
+def _weigh(campaign: Campaign, effects: Hypothesis, columns: Sequence[Array]) -> Metric:
     fine, base = (campaign.predict([effects], n)[0] for n in (FINE, HINGES))
     refinement = (fine - base) / (1 - (HINGES / FINE) ** ORDER)
     variance = campaign.noise**2 + (LEFT * _carried(campaign, np.abs(refinement))) ** 2
@@ -147,7 +154,7 @@ def _weigh(campaign: Campaign, effects: tuple[Effect, ...], columns: Sequence[Ar
     basis = np.stack([np.nan_to_num(column) * weight for column in columns], axis=1)
     train = campaign.train
     curvature = np.eye(len(columns)) + basis[train].T @ basis[train]
-    return Metric(campaign, base, refinement, weight, basis, tolerances(), curvature)
+    return Metric(campaign, effects, base, refinement, weight, basis, tolerances(), curvature)
 
 
 def _carried(campaign: Campaign, size: Array) -> Array:

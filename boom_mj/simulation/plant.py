@@ -16,6 +16,7 @@ from boom_mj.mjcf import BoomModel, build
 Array = np.ndarray
 JOINTS = 5
 LONGEST_STEP = 0.3  # rad, of Newton's method
+SHRINKING = 0.2  # of Newton steps, below which the stiffness is not taken anew
 FLOPPY = 1e-6  # N m/rad, what counts as no stiffness at all
 STEP = 1e-6  # rad, central differences of MuJoCo's forces: their error is its square, times a curvature of order 1
 
@@ -118,18 +119,21 @@ class Plant:
         force["tip"] = force["tip"] + (loads or {}).get("tip", 0.0)
         qpos = np.zeros(self.model.nq)
         qpos[self.joints] = joints
-        for _ in range(40):
-            stiffness, missing = self.stiffness(qpos, force), self.rest_force(qpos, force)[self.elastic]
-            curvature, direction = np.linalg.eigh(stiffness)
+        longest, slow = np.inf, True
+        for _ in range(100):
+            if slow:  # else the last stiffness still does
+                curvature, direction = np.linalg.eigh(self.stiffness(qpos, force))
+            missing = self.rest_force(qpos, force)[self.elastic]
             # downhill along every axis, a pendulum that stands on its head included
             step = direction @ ((direction.T @ missing) / np.maximum(np.abs(curvature), FLOPPY))
-            step *= min(1.0, LONGEST_STEP / np.max(np.abs(step)))
-            qpos[self.elastic] -= step
-            if np.max(np.abs(step)) < 1e-11:
+            before, longest = longest, float(np.max(np.abs(step)))
+            qpos[self.elastic] -= step * min(1.0, LONGEST_STEP / longest)
+            if longest < 1e-11:
                 return qpos
+            slow = longest > SHRINKING * before
         raise EquilibriumError(
             f"no static equilibrium at joints {np.degrees(joints).round(2)} deg under tip force {force['tip']} N: "
-            f"the last Newton step was {np.max(np.abs(step)):.2g} rad"
+            f"the last Newton step was {longest:.2g} rad"
         )
 
     def modes(self, qpos: Array) -> Vibration:

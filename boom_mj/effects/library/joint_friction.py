@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
 
 from boom_mj.effects.effect import Parameter, SignalEffect
 from boom_mj.machine import Machine, cylinder_lengths
@@ -26,8 +25,7 @@ class JointFriction(SignalEffect):
             return {}
         column = int(self.location["joint"]) - 2
         joints, force = signals["joint/position"], signals["cylinder/force"]
-        length = cylinder_lengths(machine, joints.values)[:, column]
-        rate = np.gradient(gaussian_filter1d(length, 10), joints.time)
+        rate = np.gradient(cylinder_lengths(machine, joints.values)[:, column], joints.time)
         values = force.values.copy()
         values[:, column] += self.values["cylinder_force"] * np.tanh(rate / CREEP)
         return {"cylinder/force": named_signal("cylinder/force", force.time, values)}
