@@ -16,7 +16,7 @@ from boom_mj.mjcf import BoomModel, build
 Array = np.ndarray
 JOINTS = 5
 LONGEST_STEP = 0.3  # rad, of Newton's method
-SHRINKING = 0.2  # of Newton steps, below which the stiffness is not taken anew
+SHRINKING, NEAR = 0.2, 1e-3  # ratio and size (rad) of Newton steps below which the stiffness is not taken anew
 FLOPPY = 1e-6  # N m/rad, what counts as no stiffness at all
 STEP = 1e-6  # rad, central differences of MuJoCo's forces: their error is its square, times a curvature of order 1
 
@@ -130,7 +130,7 @@ class Plant:
             qpos[self.elastic] -= step * min(1.0, LONGEST_STEP / longest)
             if longest < 1e-11:
                 return qpos
-            slow = longest > SHRINKING * before
+            slow = longest > min(SHRINKING * before, NEAR)
         raise EquilibriumError(
             f"no static equilibrium at joints {np.degrees(joints).round(2)} deg under tip force {force['tip']} N: "
             f"the last Newton step was {longest:.2g} rad"
