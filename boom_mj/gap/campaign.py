@@ -26,8 +26,8 @@ from boom_mj.simulation.plant import with_effects
 Array = np.ndarray
 Hypothesis = tuple[Effect, ...]
 BLOCK = 0.1  # s
-COARSE, HINGES, FINE = 2, 4, 6  # hinges: of screening and nuisances, of the contest, of the fidelity check
-PACE = 2.0  # times the plant's own step, for screening
+COARSE, HINGES, FINE = 2, 4, 6  # hinges: of all differences, of what they are added to, of the fidelity check
+PACE = {COARSE: 2.0, FINE: (HINGES / FINE) ** 2}  # of the plant's own step: errors of step and hinges fall alike
 KEPT = 24  # dense simulations kept for hypotheses that differ in their sensors only
 
 
@@ -227,7 +227,7 @@ class Campaign:
         with self._compiling:
             if hinges not in self._booms:
                 self._booms[hinges] = build(self.machine, hinges)
-                self._booms[hinges].spec.option.timestep *= PACE if hinges <= COARSE else 1.0
+                self._booms[hinges].spec.option.timestep *= PACE.get(hinges, 1.0)
             if key not in self._plants:
                 while len(self._plants) >= KEPT:
                     self._plants.pop(next(iter(self._plants)))
