@@ -44,6 +44,7 @@ def document(found: Diagnosis, names: Sequence[str]) -> dict[str, Any]:
             "split_in_time": campaign.split_in_time,
         },
         "where": [*listed, {"sensor": "all others", "share": rest}],
+        "pushes": [vars(push) for push in found.pushes],
         "unexplained": None,
         "provenance": {
             "machine": campaign.machine.name,

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -11,8 +12,9 @@ from boom_mj.gap.campaign import COARSE, Campaign
 from boom_mj.gap.candidate import Candidate, everywhere
 from boom_mj.gap.fit import ROUGH, fit
 from boom_mj.gap.judge import Closure, Judged, closure, gap, judge, worse_by
-from boom_mj.gap.metric import Metric, around, make_metric
+from boom_mj.gap.metric import Metric, anchored, around, make_metric
 from boom_mj.gap.next_experiment import next_experiment
+from boom_mj.gap.push import Push, pushes
 from boom_mj.gap.screen import Screened, Signatures, spectral_lines
 
 Array = np.ndarray
@@ -55,6 +57,11 @@ class Diagnosis:
     fidelity_alone: float
     next_experiment: str | None
     metric: Metric
+
+    @cached_property
+    def pushes(self) -> tuple[Push, ...]:
+        """What would have to push the nominal model to where the machine is."""
+        return pushes(self.metric, self.nominal)
 
 
 def diagnose(
@@ -163,15 +170,15 @@ def _polished(contest: Sequence[Judged]) -> list[Judged]:
 
 
 def _polish(judged: Judged) -> Judged:
-    """Fit again with nuisances and model error taken where the last fit has led, until it stays there."""
-    for _ in range(ROUNDS):
+    """Fit again from where the last fit has led, then with the nuisances and model error there, until it stays."""
+    for move in (anchored, *[around] * ROUNDS):
         effects = judged.fit.effects
-        metric = around(judged.metric, effects)
+        metric = move(judged.metric, effects)
         again = judge(metric, fit(metric, Candidate(effects)))
         if again.train > WORSE * judged.train:
             break
         moved, judged = np.abs(again.fit.coordinates - judged.fit.coordinates), again
-        if np.all(moved < again.deviation):
+        if move is around and np.all(moved < again.deviation):
             break
     return judged
 

@@ -12,7 +12,7 @@ that would is held there and leaves B.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
@@ -135,6 +135,11 @@ def make_metric(campaign: Campaign) -> Metric:
     nuisances = tolerances()
     coarse, *shifted = campaign.predict([(), *(t.hypothesis for t in nuisances)], COARSE)
     return _weigh(campaign, (), [(s - coarse) * t.deviation for s, t in zip(shifted, nuisances)])
+
+
+def anchored(metric: Metric, effects: Hypothesis) -> Metric:
+    """The metric with the base of a machine that has effects; weights and nuisances stay."""
+    return replace(metric, effects=effects, base=metric.campaign.predict([effects], HINGES)[0])
 
 
 def around(metric: Metric, effects: Hypothesis) -> Metric:

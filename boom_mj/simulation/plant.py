@@ -67,7 +67,7 @@ class Plant:
         """Elastic Ritz coordinates = ritz @ qpos, (12, nq)."""
         return self.boom.ritz_matrix(self.model)
 
-    def _at(self, qpos: Array) -> mujoco.MjData:
+    def at(self, qpos: Array) -> mujoco.MjData:
         mujoco.mj_resetData(self.model, self.scratch)
         self.scratch.qpos[:] = qpos
         if self.model.nplastic:  # what can slip has slipped into rest
@@ -80,16 +80,16 @@ class Plant:
     def mass_matrix(self, qpos: Array) -> Array:
         """(nv, nv)."""
         mass = np.zeros((self.model.nv, self.model.nv))
-        mujoco.mj_fullM(self.model, self._at(qpos), mass)
+        mujoco.mj_fullM(self.model, self.at(qpos), mass)
         return mass
 
     def tip(self, qpos: Array) -> Array:
         """World position of the boom's tip, (3,), m."""
-        return self._at(qpos).site("tip").xpos.copy()
+        return self.at(qpos).site("tip").xpos.copy()
 
     def rest_force(self, qpos: Array, loads: Mapping[str, Array]) -> Array:
         """What is missing for rest at qpos: weight less springs less the forces on sites, per coordinate, (nv,)."""
-        data, jacobian = self._at(qpos), np.zeros((3, self.model.nv))
+        data, jacobian = self.at(qpos), np.zeros((3, self.model.nv))
         missing = data.qfrc_bias - data.qfrc_passive
         world = data.site("world").xmat.reshape(3, 3)
         for site, force in loads.items():

@@ -1,0 +1,44 @@
+"""The residual forces that a payload leaves, from where markers are, against its weight times the tip's Jacobian."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from boom_mj.effects import make_effect
+from boom_mj.gap import Campaign
+from boom_mj.gap.metric import Metric
+from boom_mj.gap.push import pushes
+from boom_mj.logs import read_log
+from boom_mj.machine import load_machine
+from boom_mj.recording import window
+from boom_mj.simulation import make_plant
+
+ROOT = Path(__file__).parents[2]
+BOOM = load_machine(ROOT / "models" / "boom36.toml")
+MASS = 20.0  # kg
+ONE = 1  # hinge per coordinate, as the forces are told
+
+
+def test_a_payload_asks_for_its_weight():
+    log = read_log(ROOT / "logs" / "independent_release_stretched_vertical.mcap")
+    held = replace(log, signals={name: window(signal, 0.0, 5.0) for name, signal in log.signals.items()})
+    campaign = Campaign(BOOM, [held], 1, threads=1)
+    heavy, plain = campaign.predict([(make_effect("tip_payload", {"mass": MASS}),), ()], ONE)
+    weight = np.where(campaign.used, 1 / campaign.noise, 0.0)
+    metric = Metric(campaign, (), plain, 0 * plain, weight, np.zeros((len(plain), 0)), (), np.eye(0))
+    found = {(p.part, p.direction): p for p in pushes(metric, metric.white(heavy - plain))}
+
+    plant = make_plant(BOOM, 1)
+    turn = np.zeros((3, plant.model.nv))
+    data = plant.at(plant.static_equilibrium(held["joint/position"].values[0]))
+    mujoco.mj_jacSite(plant.model, data, turn, None, data.site("tip").id)
+    world = data.site("world").xmat.reshape(3, 3)
+    for (part, direction), push in found.items():
+        if part.startswith("link"):
+            column = plant.model.joint(f"{part}_{direction}_1").dofadr[0]
+            weighs = abs(world[:, 2] @ turn[:, column]) * MASS * BOOM.gravity
+            # the load bends the boom by 10 mrad further, which shifts its arms by their height of 2 to 3 m times that: 3 %
+            assert abs(push.force - weighs) < 0.03 * weighs if direction == "v" else push.ratio < 0.5, (push, weighs)
+    assert {part for part, direction in found if direction == "v"} == {"link2", "link3", "link4", "link5"}
