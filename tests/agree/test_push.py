@@ -39,6 +39,6 @@ def test_a_payload_asks_for_its_weight():
         if part.startswith("link"):
             column = plant.model.joint(f"{part}_{direction}_1").dofadr[0]
             weighs = abs(world[:, 2] @ turn[:, column]) * MASS * BOOM.gravity
-            # the load bends the boom by 10 mrad further, which shifts its arms by their height of 2 to 3 m times that: 3 %
+            # the load bends the boom by another 10 mrad, which shifts its arms by that times their height, 3 m: 3 %
             assert abs(push.force - weighs) < 0.03 * weighs if direction == "v" else push.ratio < 0.5, (push, weighs)
     assert {part for part, direction in found if direction == "v"} == {"link2", "link3", "link4", "link5"}
