@@ -110,7 +110,7 @@ def _forces(plant: Plant, poses: Array, weight: Array, white: Array) -> tuple[Ar
 
 
 def _matrices(plant: Plant, angles: Array) -> tuple[Array, Array, Array]:
-    """At rest at joint angles (5,): how markers move with the hinges, marker 1 first, (36, 12), and M and K, (12, 12)."""
+    """At rest at joint angles (5,): how markers move with the hinges, marker 1 first, (36, 12); M and K, (12, 12)."""
     qpos = plant.static_equilibrium(angles)
     data, turned, rows = plant.at(qpos), np.zeros((3, plant.model.nv)), {}
     world = data.site("world").xmat.reshape(3, 3)
