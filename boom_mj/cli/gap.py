@@ -131,14 +131,13 @@ def _summary(answer: dict[str, Any]) -> str:
 
 def _write_predictions(found: Any, folder: Path, paths: list[Path]) -> None:
     from boom_mj.gap import estimated_tolerances
-    from boom_mj.gap.campaign import HINGES
 
     folder.mkdir(parents=True, exist_ok=True)
     tolerances = estimated_tolerances(found)
     corrected = (*tolerances, *(found.best.fit.effects if found.best else ()))
     for kind, hypothesis in (("nominal", tolerances), ("corrected", corrected)):
         for index, (log, path) in enumerate(zip(found.metric.campaign.recordings, paths)):
-            twin = found.metric.campaign.twin(hypothesis, HINGES, index)
+            twin = found.metric.campaign.twin(hypothesis, found.metric.campaign.subject.fidelity.middle, index)
             signals = {name: named_signal(name, log[name].time, values) for name, values in twin.items()}
             recording = Recording(log.name, log.machine, f"{kind} twin: {log.description}", signals)
             write_mcap(recording, folder / f"{path.stem}.{kind}.mcap")

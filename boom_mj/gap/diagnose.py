@@ -7,12 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from boom_mj.gap.campaign import COARSE, Campaign
+from boom_mj.gap.campaign import Campaign
 from boom_mj.gap.candidate import Candidate, everywhere
 from boom_mj.gap.fit import ROUGH, fit
 from boom_mj.gap.judge import Closure, Judged, closure, gap, judge, worse_by
 from boom_mj.gap.metric import Metric, around, make_metric
-from boom_mj.gap.next_experiment import next_experiment
 from boom_mj.gap.screen import Screened, Signatures, spectral_lines
 
 Array = np.ndarray
@@ -77,7 +76,7 @@ def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], 
     nominal = metric.clean(raw)
     before = gap(metric, nominal, campaign.held_out)
     tell(f"nominal gap {gap(metric, nominal, campaign.train):.2f} in training, {before:.2f} held out; screening")
-    signatures = Signatures(metric, everywhere(without), spectral_lines(metric, nominal))
+    signatures = Signatures(metric, everywhere(campaign.subject, without), spectral_lines(metric, nominal))
     screened = signatures.rank(raw)
     tell("contest of " + ", ".join(s.candidate.label for s in screened[:FINALISTS]))
     contest = _fit_all(metric, [s.candidate for s in shortlist(screened)])
@@ -100,8 +99,8 @@ def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], 
     if best and ties:
         tell("the next experiment")
         explanations = [j.fit.effects for j in (best, *ties)]
-        following = next_experiment(campaign.machine, explanations, [log.name for log in campaign.recordings])
-    coarse = metric.clean(metric.white(campaign.measured - campaign.predict([()], COARSE)[0]))
+        following = campaign.subject.next_experiment(explanations, [log.name for log in campaign.recordings])
+    coarse = metric.clean(metric.white(campaign.measured - campaign.predict([()], campaign.subject.fidelity.coarse)[0]))
     fidelity = closure(metric, coarse, nominal, campaign.held_out).value
     return Diagnosis(verdict, best, tuple(contest), ties, tuple(screened), nominal, share, fidelity, following, metric)
 
@@ -147,7 +146,9 @@ def _combine(contest: list[Judged], without: Sequence[str], tell: Callable[[str]
     for leader in contest[:LEADERS]:
         tell(f"screening beside {leader.label}")
         found, metric = leader.fit, leader.metric
-        signatures = Signatures(metric, everywhere(without), spectral_lines(metric, found.residual), found.effects)
+        signatures = Signatures(
+            metric, everywhere(metric.campaign.subject, without), spectral_lines(metric, found.residual), found.effects
+        )
         raw = metric.residual(*metric.predict([found.effects]))
         for partner in signatures.rank(raw, found.jacobian)[:SECONDS]:
             pair = Candidate((*found.effects, *partner.candidate.effects))
