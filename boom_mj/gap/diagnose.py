@@ -20,7 +20,6 @@ SECONDS = 2  # partners tried for each of the best singles
 LEADERS = 2  # of which combinations are tried, and which are fitted again
 SMALLEST = 0.10  # fall of the held-out mean square that counts
 SECOND = 0.01  # ... for a second effect besides, in units of what the first took away
-HALF = 0.5  # share of the remaining gap that a second effect must close
 QUIET = 1.15  # held-out gap up to which nothing needs explaining
 SLACK = 0.02  # of the gap, that an explanation may leave besides
 ROUNDS, WORSE = 2, 1.2  # of polishing, and the growth of the training gap at which it is given up
@@ -84,8 +83,9 @@ def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], 
         tell(f"nuisances around {contest[0].label}")
         contest = _polished(contest)
         contest = sorted([*contest, *_fit_all(metric, _simpler(contest))], key=lambda j: j.held_out)
-        if not solved(before, contest[0].held_out):
-            contest = _combine(contest, without, tell)
+        for size in range(2, campaign.subject.causes + 1):
+            if not solved(before, contest[0].held_out):
+                contest = _combine(contest, size, without, tell)
     best = choose(contest, before)
     share = closure(metric, nominal, best.fit.residual if best else nominal, campaign.held_out)
     verdict = "consistent" if before <= QUIET else "unexplained"
@@ -140,10 +140,10 @@ def _simpler(contest: Sequence[Judged]) -> list[Candidate]:
     return found
 
 
-def _combine(contest: list[Judged], without: Sequence[str], tell: Callable[[str], None]) -> list[Judged]:
+def _combine(contest: list[Judged], size: int, without: Sequence[str], tell: Callable[[str], None]) -> list[Judged]:
     """Forward: partners for the leaders, by screening again about the machine that each leader makes."""
     pairs: dict[tuple, Candidate] = {}
-    for leader in contest[:LEADERS]:
+    for leader in [judged for judged in contest if len(judged.fit.effects) == size - 1][:LEADERS]:
         tell(f"screening beside {leader.label}")
         found, metric = leader.fit, leader.metric
         signatures = Signatures(
@@ -178,21 +178,30 @@ def _polish(judged: Judged) -> Judged:
 
 
 def choose(contest: Sequence[Judged], before: float) -> Judged | None:
-    """The best single cause, with as few knobs as do, or the best pair where both of its members are worth it."""
+    """The best single cause, with as few knobs as do, or more of them where each is worth it."""
     useful = [j for j in contest if before**2 - j.held_out**2 > SMALLEST]
     singles = [j for j in useful if len(j.fit.effects) == 1]
-    pairs = [j for j in useful if len(j.fit.effects) == 2]
     best = min(singles, key=lambda j: j.held_out, default=None)
     for judged in singles:
         if best and _nested(judged, best) and judged.held_out**2 - best.held_out**2 < SECOND * before**2:
             best = judged
-    for pair in sorted(pairs, key=lambda j: j.held_out):
-        members = [j for j in contest if set(j.fit.candidate.places) < set(pair.fit.candidate.places)]
+    for size in range(2, 1 + max((len(j.fit.effects) for j in useful), default=0)):
+        best = _with_more(best, [j for j in useful if len(j.fit.effects) == size], contest, before)
+    return best
+
+
+def _with_more(
+    best: Judged | None, larger: Sequence[Judged], contest: Sequence[Judged], before: float
+) -> Judged | None:
+    """The best explanation with one more cause, where it closes its share of what is left, or the best so far."""
+    for judged in sorted(larger, key=lambda j: j.held_out):
+        members = [j for j in contest if set(j.fit.candidate.places) < set(judged.fit.candidate.places)]
         alone = min([before, *(j.held_out for j in members), *([best.held_out] if best else [])])
-        gain = alone**2 - pair.held_out**2
+        gain = alone**2 - judged.held_out**2
         enough = gain > SMALLEST + SECOND * (before**2 - alone**2)
-        if enough and alone - pair.held_out > HALF * (alone - 1):
-            return pair
+        worth = judged.metric.campaign.subject.worth
+        if enough and alone - judged.held_out > worth * (alone - 1):
+            return judged
     return best
 
 

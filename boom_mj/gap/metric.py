@@ -68,6 +68,8 @@ class Metric:
 
     def estimate(self, white: Array) -> Array:
         """Nuisances that whitened training entries ask for, in units of their prior deviation, within +-LIMIT, (m,)."""
+        if not self.nuisances:
+            return np.zeros(0)
         slope = self.basis[self.campaign.train].T @ white[self.campaign.train]
         root = cholesky(self.curvature)  # upper: |root x - root^-T slope|^2 is what x minimises
         return lsq_linear(root, solve_triangular(root, slope, trans="T"), (-LIMIT, LIMIT)).x
@@ -114,7 +116,7 @@ def _weigh(campaign: Campaign, effects: Hypothesis, columns: Sequence[Array]) ->
     refinement = (fine - base) / fidelity.shrunk
     variance = campaign.noise**2 + (LEFT * _carried(campaign, np.abs(refinement))) ** 2
     weight = np.where(campaign.used, 1 / np.sqrt(np.where(campaign.used, variance, 1.0)), 0.0)
-    basis = np.stack([np.nan_to_num(column) * weight for column in columns], axis=1)
+    basis = np.array([np.nan_to_num(column) * weight for column in columns]).reshape(-1, len(weight)).T
     train = campaign.train
     curvature = np.eye(len(columns)) + basis[train].T @ basis[train]
     return Metric(campaign, effects, base, refinement, weight, basis, campaign.subject.tolerances(), curvature)

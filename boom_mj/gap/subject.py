@@ -70,8 +70,8 @@ class Subject(ABC):
     bands: tuple[Band, ...]
     still: float
     fidelity: Fidelity
-    causes: ClassVar[int]
-    worth: ClassVar[float]
+    causes: int
+    worth: float
     listening: ClassVar[str | None] = None
 
     @property

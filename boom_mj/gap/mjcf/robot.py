@@ -1,0 +1,321 @@
+"""Any MJCF machine as a subject of diagnosis: what its channel map compares, and the effects of `effects/general/`."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from threading import Lock
+from typing import Any, TypeVar
+
+import mujoco
+import numpy as np
+
+from boom_mj.effects import Effect
+from boom_mj.effects.general_effect import ChannelEffect, CommandEffect, ResistEffect, SpecEffect, general_library
+from boom_mj.errors import ChannelMapError, EffectError, InputError
+from boom_mj.gap.campaign import Campaign
+from boom_mj.gap.diagnose import Diagnosis
+from boom_mj.gap.mjcf.channel_map import ChannelEntry, ChannelMap, load_channel_map
+from boom_mj.gap.mjcf.places import places_of
+from boom_mj.gap.mjcf.simulation import Course, Run, drivable, simulate
+from boom_mj.gap.mjcf.stretches import repeatability, split, stretches_of
+from boom_mj.gap.subject import Band, Fidelity, Hypothesis, Subject, Tolerance
+from boom_mj.recording import Recording, Signal
+
+Array = np.ndarray
+E = TypeVar("E", ChannelEffect, CommandEffect, ResistEffect)
+KEPT = 24  # compiled models
+SCALAR = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
+STILL = 0.02  # of a joint's fastest speed in a stretch
+BASE, FINE = 1, 2  # divisions of the model's step: the integrators are of first order in it
+
+
+class Robot(Subject):
+    """An MJCF machine.
+
+    Args:
+        spec: nominal model.
+        channels: what the log's fields are.
+        recordings: stretches of logs to learn from, for the sizes that are typical of the machine.
+        repeatability: noise per sample that repeated motions show, by channel.
+    """
+
+    fidelity = Fidelity(BASE, BASE, FINE, 0.5)
+    worth = 0.1
+
+    def __init__(
+        self,
+        spec: mujoco.MjSpec,
+        channels: ChannelMap,
+        recordings: Sequence[Recording],
+        repeatability: Mapping[str, float] | None = None,
+    ) -> None:
+        check(spec, channels)
+        self.repeatability = dict(repeatability or {})
+        self.spec, self.channels = spec, channels
+        self.causes = channels.causes
+        self.block, self.window, self.still = channels.block, channels.independent, 1e-9
+        self.bands: tuple[Band, ...] = (("static", 0.2), ("slow", 1.0), ("middle", 5.0), ("above", np.inf))
+        self.entries = {entry.name: entry for entry in channels.channel}
+        self._models: dict[tuple, mujoco.MjModel] = {}
+        self._compiling = Lock()
+        runs = [self.run((), BASE, log) for log in recordings]
+        self._library = [
+            (kind.at(name, typical), {kind.where: name} if kind.where else {})
+            for kind in general_library().values()
+            for name, tags, typical in places_of(self, kind.where, recordings, runs)
+            if kind.needs <= tags
+        ]
+
+    @property
+    def name(self) -> str:
+        return self.channels.name
+
+    @property
+    def provenance(self) -> Mapping[str, Any]:
+        return {"step_s": self.spec.option.timestep, "block_s": self.block, "stretch_s": self.channels.window}
+
+    def library(self) -> list[tuple[type[Effect], dict]]:
+        return list(self._library)
+
+    def tolerances(self) -> tuple[Tolerance, ...]:
+        """Zero offsets, of the channels that are given one."""
+        offset = {place["channel"]: kind for kind, place in self._library if kind.id == "sensor_offset"}
+        return tuple(
+            Tolerance((offset[entry.name]({"channel": entry.name}, offset=entry.zero),), 1.0)
+            for entry in self.channels.channel
+            if entry.zero and entry.name in offset
+        )
+
+    def noise(self) -> Mapping[str, Array]:
+        return {
+            entry.name: np.array([max(entry.noise, self.repeatability.get(entry.name, 0.0))])
+            for entry in self.channels.role("compare")
+        }
+
+    def clock(self, log: Recording) -> tuple[float, float]:
+        signals = log.signals.values()
+        begin = min(signal.time[0] for signal in signals)
+        return begin, float(max(signal.time[-1] for signal in signals) - begin)
+
+    def split(self, hypothesis: Hypothesis) -> tuple[Hypothesis, Hypothesis]:
+        sensing = tuple(e for e in hypothesis if isinstance(e, ChannelEffect) and self._compared(e))
+        return tuple(e for e in hypothesis if e not in sensing), sensing
+
+    def simulate(self, hypothesis: Hypothesis, level: int, index: int, log: Recording) -> dict[str, Signal]:
+        run = self.run(hypothesis, level, log)
+        return {
+            entry.name: Signal(run.time, self._said(entry, run, hypothesis)[:, None], (entry.name,), "1", entry.place)
+            for entry in self.channels.role("compare")
+        }
+
+    def altered(self, effects: Hypothesis, signals: Mapping[str, Signal]) -> dict[str, Signal]:
+        found = dict(signals)
+        for effect in effects:
+            if isinstance(effect, ChannelEffect):
+                signal = found[effect.name]
+                values = effect.read(signal.time, signal.values[:, 0])[:, None]
+                found[effect.name] = Signal(signal.time, values, signal.channels, signal.unit, signal.frame)
+        return found
+
+    def group(self, signal: str, values: Signal, column: int) -> str:
+        return signal
+
+    def place(self, group: str) -> tuple[str, str, str]:
+        entry = self.entries[group]
+        return entry.what, entry.place, entry.name
+
+    def motion(self, log: Recording, time: Array) -> Array:
+        begin = self.clock(log)[0]
+        joints = [log[name] for name in self._motions(log)]
+        if not joints:
+            return np.zeros((len(time), 1))
+        return np.stack([np.interp(time, s.time - begin, s.values[:, 0]) for s in joints], axis=1)
+
+    def phases(self, log: Recording) -> Array:
+        """Hold, move, reversal, by the measured joints."""
+        time = np.arange(0, self.clock(log)[1] + self.block, self.block) + self.block / 2
+        rate = np.gradient(self.motion(log, time), self.block, axis=0)
+        moving = np.abs(rate) > STILL * np.maximum(np.abs(rate).max(axis=0), self.still)
+        names = np.where(moving.any(axis=1), "move", "hold").astype("<U14")
+        turned = np.flatnonzero((rate[:-1] * rate[1:] < 0).any(axis=1))
+        for turn in turned:
+            names[max(0, turn - 1) : turn + 2] = "reversal"
+        return names
+
+    def next_experiment(self, explanations: Sequence[Hypothesis], done: Sequence[str]) -> str | None:
+        """In words, by the library's own advice: there is no catalogue of experiments for any machine."""
+        told = {effect.told_by for explanation in explanations for effect in explanation if effect.told_by}
+        return " and ".join(sorted(told)) or None
+
+    def run(self, hypothesis: Hypothesis, level: int, log: Recording) -> Run:
+        """A stretch under effects; those of compared channels are left to `altered`."""
+        model = self._model(hypothesis, level)
+        begin, duration = self.clock(log)
+        time = model.opt.timestep * np.arange(int(np.ceil(duration / model.opt.timestep - 1e-9)) + 1)
+        path, command, force = {}, {}, {}
+        for entry in self.channels.role("drive"):
+            values = log[entry.name].values[:, 0]
+            clock = log[entry.name].time - begin
+            for effect in _at(hypothesis, ChannelEffect, entry.name):
+                values = effect.true(clock, values)
+            path[entry.joint] = _spline(clock, values, time)
+        for entry in self.channels.role("control"):
+            clock = log[entry.name].time - begin
+            values = np.interp(time, clock, log[entry.name].values[:, 0])
+            for effect in _at(hypothesis, CommandEffect, entry.actuator):
+                values = effect.act(time, values)
+            command[entry.actuator] = values
+        for joint in self._by_hand(hypothesis):
+            motion = log[f"motion/{joint}"]
+            speed = np.gradient(_spline(motion.time - begin, motion.values[:, 0], time), time)
+            load = sum((command[a] for a in command if self.joint_of(a) == joint), np.zeros(len(time)))
+            force[joint] = -sum(e.resist(speed, load) for e in _at(hypothesis, ResistEffect, joint))
+        start = {
+            name.removeprefix("start/"): (float(signal.values[0, 0]), float(signal.values[0, 1]))
+            for name, signal in log.signals.items()
+            if name.startswith("start/")
+        }
+        start = {joint: state for joint, state in start.items() if joint not in path}
+        return simulate(model, Course(time, path, command, force, start))
+
+    def joint_of(self, actuator: str) -> str:
+        """Joint that an actuator moves, "" if it moves none."""
+        found = self.spec.actuator(actuator)
+        return found.target if found is not None and found.trntype == mujoco.mjtTrn.mjTRN_JOINT else ""
+
+    def corrected(self, effects: Sequence[Effect]) -> str:
+        """The MJCF text with effects in it; those that MJCF does not hold stand in comments."""
+        spec, others = self.spec.copy(), []
+        for effect in effects:
+            if isinstance(effect, SpecEffect):
+                effect.edit(spec)
+            else:
+                others.append(f"<!-- not in the model: {effect} -->\n")
+        spec.compile()
+        return spec.to_xml() + "".join(others)
+
+    def _said(self, entry: ChannelEntry, run: Run, hypothesis: Hypothesis) -> Array:
+        if entry.sensor:
+            sensor = self.model.sensor(entry.sensor)
+            return run.sensordata[:, sensor.adr[0] + entry.component]
+        if entry.joint:
+            return (run.position if entry.what == "position" else run.velocity)[entry.joint]
+        joint = self.joint_of(entry.actuator)
+        if joint not in self.channels.driven:
+            return run.force[entry.actuator]
+        force = run.force[joint]
+        for effect in _at(hypothesis, ResistEffect, joint):
+            force = force + effect.resist(run.velocity[joint], force)
+        for effect in reversed(_at(hypothesis, CommandEffect, entry.actuator)):
+            force = effect.command(run.time, force)
+        return force
+
+    @property
+    def model(self) -> mujoco.MjModel:
+        """Nominal, as it is simulated."""
+        return self._model((), BASE)
+
+    def _model(self, hypothesis: Hypothesis, level: int) -> mujoco.MjModel:
+        editing = tuple(e for e in hypothesis if isinstance(e, SpecEffect))
+        hands = self._by_hand(hypothesis)
+        key = (frozenset(editing), hands, level)
+        with self._compiling:
+            if key not in self._models:
+                while len(self._models) >= KEPT:
+                    self._models.pop(next(iter(self._models)))
+                spec = self.spec.copy()
+                spec.option.timestep /= level
+                for effect in editing:
+                    try:
+                        effect.edit(spec)
+                    except ValueError as error:
+                        raise EffectError(f"{effect} cannot stand beside the other effects: {error}") from error
+                try:
+                    self._models[key] = drivable(spec, self.channels.driven, hands)
+                except ValueError as error:
+                    raise EffectError(f"{', '.join(map(str, editing))} makes no model: {error}") from error
+            return self._models[key]
+
+    def _by_hand(self, hypothesis: Hypothesis) -> tuple[str, ...]:
+        """Joints that effects push by hand: those that are not driven."""
+        resisted = {e.name for e in hypothesis if isinstance(e, ResistEffect)}
+        return tuple(sorted(resisted - set(self.channels.driven)))
+
+    def _compared(self, effect: ChannelEffect) -> bool:
+        return self.entries[effect.name].role == "compare"
+
+    def _motions(self, log: Recording) -> list[str]:
+        drives = [entry.name for entry in self.channels.role("drive")]
+        return drives + [name for name in log.signals if name.startswith("motion/")]
+
+
+def _at(hypothesis: Hypothesis, kind: type[E], name: str) -> list[E]:
+    """Effects of a kind at a place."""
+    return [e for e in hypothesis if isinstance(e, kind) and e.name == name]
+
+
+def _spline(time: Array, values: Array, at: Array) -> Array:
+    """Smooth values between samples: a cubic spline, whose second derivative does not jump."""
+    from scipy.interpolate import CubicSpline
+
+    return CubicSpline(time, values)(np.clip(at, time[0], time[-1]))
+
+
+def check(spec: mujoco.MjSpec, channels: ChannelMap) -> None:
+    """Refuse a map that names what the model does not have.
+
+    Raises:
+        ChannelMapError: the channel, the name, and the names that there are.
+    """
+    model = spec.copy().compile()
+    scalar = [int(kind) for kind in SCALAR]
+    known = {
+        "joint": [model.joint(k).name for k in range(model.njnt) if model.jnt_type[k] in scalar],
+        "actuator": [model.actuator(k).name for k in range(model.nu)],
+        "sensor": [model.sensor(k).name for k in range(model.nsensor)],
+    }
+    wrong = [
+        f"channel '{entry.name}': {key} = '{name}' is none of the model's hinges and slides" * (key == "joint")
+        + f"channel '{entry.name}': {key} = '{name}' is not in the model" * (key != "joint")
+        + f"; it has {', '.join(names) or 'none'}"
+        for entry in channels.channel
+        for key, names in known.items()
+        if (name := getattr(entry, key)) and name not in names
+    ]
+    if wrong:
+        raise ChannelMapError("\n".join(wrong))
+
+
+def robot_campaign(
+    logs: Sequence[Path], held_out: Sequence[Path], map_file: Path, model_file: Path | None = None
+) -> Campaign:
+    """A campaign of an MJCF machine: logs to learn from, logs to judge by; without any, a log's end is held out.
+
+    Raises:
+        InputError: no model, or one that MuJoCo does not take.
+    """
+    channels = load_channel_map(map_file)
+    if model_file is None and not channels.model:
+        raise InputError(f"{map_file} names no model; say which with --model")
+    path = model_file or map_file.parent / channels.model
+    try:
+        spec = mujoco.MjSpec.from_file(str(path))
+        spec.copy().compile()
+    except ValueError as error:
+        raise InputError(f"{path} is no MJCF model: {error}") from error
+    learnt, judged = [], []
+    for log in logs:
+        found = stretches_of(log, channels)
+        first = len(found) if held_out else split(found, channels.train)
+        learnt += found[:first]
+        judged += found[first:]
+    for log in held_out:
+        judged += stretches_of(log, channels)
+    robot = Robot(spec, channels, learnt, repeatability(logs[0], channels))
+    return Campaign(robot, [*learnt, *judged], len(learnt))
+
+
+def corrected_model(found: Diagnosis) -> str:
+    """MJCF text with the best explanation's effects in it."""
+    robot = found.metric.campaign.subject
+    assert isinstance(robot, Robot)
+    return robot.corrected(found.best.fit.effects if found.best else ())
