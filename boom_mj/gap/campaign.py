@@ -223,7 +223,7 @@ class Campaign:
             elapsed, values = self._elapsed(index, name), log[name].values
             for column in range(values.shape[1]):
                 time, count, mean = block_means(elapsed, values[:, column], self.subject.block)
-                noise = max(float(levels[column]), _own_noise(values[:, column]) / 1.3)
+                noise = max(float(levels[column]), own_noise(values[:, column]) / 1.3)
                 group = self.subject.group(name, log[name], column)
                 found.append(Channel(index, name, column, group, time, count, mean, noise))
         return found
@@ -240,7 +240,7 @@ def block_means(time: Array, values: Array, length: float = BLOCK) -> tuple[Arra
     return (block[starts] + 0.5) * length, count, mean
 
 
-def _own_noise(values: Array) -> float:
+def own_noise(values: Array) -> float:
     """Noise of a channel by its third differences, robustly: what moves slowly does not count."""
     third = np.diff(values[np.isfinite(values)], n=3)
     return float(1.4826 * np.median(np.abs(third)) / np.sqrt(20.0)) if len(third) > 10 else 0.0

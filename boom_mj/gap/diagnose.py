@@ -182,9 +182,7 @@ def choose(contest: Sequence[Judged], before: float) -> Judged | None:
     useful = [j for j in contest if before**2 - j.held_out**2 > SMALLEST]
     singles = [j for j in useful if len(j.fit.effects) == 1]
     best = min(singles, key=lambda j: j.held_out, default=None)
-    for judged in singles:
-        if best and _nested(judged, best) and judged.held_out**2 - best.held_out**2 < SECOND * before**2:
-            best = judged
+    best = _simplest(best, singles, before)
     for size in range(2, 1 + max((len(j.fit.effects) for j in useful), default=0)):
         best = _with_more(best, [j for j in useful if len(j.fit.effects) == size], contest, before)
     return best
@@ -201,7 +199,15 @@ def _with_more(
         enough = gain > SMALLEST + SECOND * (before**2 - alone**2)
         worth = judged.metric.campaign.subject.worth
         if enough and alone - judged.held_out > worth * (alone - 1):
-            return judged
+            return _simplest(judged, larger, before)
+    return best
+
+
+def _simplest(best: Judged | None, rivals: Sequence[Judged], before: float) -> Judged | None:
+    """The same causes with fewer knobs, where that costs next to nothing."""
+    for judged in rivals:
+        if best and _nested(judged, best) and judged.held_out**2 - best.held_out**2 < SECOND * before**2:
+            best = judged
     return best
 
 
@@ -216,7 +222,9 @@ def _ties(metric: Metric, best: Judged, other: Judged, before: float) -> bool:
 
 
 def _nested(best: Judged, other: Judged) -> bool:
-    """Whether the rival is the same effect with more freedom."""
-    return [e.id for e in best.fit.effects] == [e.id for e in other.fit.effects] and len(other.fit.coordinates) > len(
-        best.fit.coordinates
+    """Whether the rival is the same effects, or what has them as special cases, with more freedom."""
+    pairs = list(zip(best.fit.effects, other.fit.effects))
+    alike = len(best.fit.effects) == len(other.fit.effects) and all(
+        a.id == b.id or a.id in b.special_cases for a, b in pairs
     )
+    return alike and len(other.fit.coordinates) > len(best.fit.coordinates)

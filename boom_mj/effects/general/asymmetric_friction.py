@@ -18,6 +18,7 @@ class AsymmetricFriction(SpecEffect):
     id = "asymmetric_friction"
     where = "joint"
     sizes = (0.3, 1.0, 3.0)
+    special_cases = ("coulomb_friction",)
     confused_with = ("coulomb_friction", "actuator_bias")
     told_by = "motions both ways"
 

@@ -97,7 +97,7 @@ class ChannelMap(BaseModel):
         name: of the machine.
         time: field of the time; `time_scale` turns it into s.
         model: MJCF file, relative to the map; the command line may name another.
-        block: over which channels are averaged, s.
+        block: over which channels are averaged, s; a period of the cutoff if left out.
         window: length of the stretches that are simulated afresh, s.
         settle: beginning of a stretch that is simulated but not compared, s.
         cutoff: of the zero-phase filter that makes driving motion smooth, Hz.
@@ -114,7 +114,7 @@ class ChannelMap(BaseModel):
     time: str
     time_scale: PositiveFloat = 1.0
     model: str = ""
-    block: PositiveFloat = 0.1
+    block: PositiveFloat | None = None
     window: PositiveFloat = 10.0
     settle: float = Field(default=0.0, ge=0)
     cutoff: PositiveFloat = 10.0
@@ -139,6 +139,15 @@ class ChannelMap(BaseModel):
 
     def role(self, role: Role) -> tuple[ChannelEntry, ...]:
         return tuple(entry for entry in self.channel if entry.role == role)
+
+    @property
+    def block_s(self) -> float:
+        return self.block if self.block is not None else 1 / self.cutoff
+
+    @property
+    def compared_cutoff(self) -> float:
+        """Of what is compared where motion drives, Hz."""
+        return self.cutoff / 2
 
     @property
     def driven(self) -> tuple[str, ...]:

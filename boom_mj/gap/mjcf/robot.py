@@ -16,7 +16,7 @@ from boom_mj.gap.diagnose import Diagnosis
 from boom_mj.gap.mjcf.channel_map import ChannelEntry, ChannelMap, load_channel_map
 from boom_mj.gap.mjcf.places import places_of
 from boom_mj.gap.mjcf.simulation import Course, Run, drivable, simulate
-from boom_mj.gap.mjcf.stretches import repeatability, split, stretches_of
+from boom_mj.gap.mjcf.stretches import noise_of, smoothed, split, stretches_of
 from boom_mj.gap.subject import Band, Fidelity, Hypothesis, Subject, Tolerance
 from boom_mj.recording import Recording, Signal
 
@@ -35,7 +35,7 @@ class Robot(Subject):
         spec: nominal model.
         channels: what the log's fields are.
         recordings: stretches of logs to learn from, for the sizes that are typical of the machine.
-        repeatability: noise per sample that repeated motions show, by channel.
+        noise: per sample, by compared channel.
     """
 
     fidelity = Fidelity(BASE, BASE, FINE, 0.5)
@@ -46,13 +46,13 @@ class Robot(Subject):
         spec: mujoco.MjSpec,
         channels: ChannelMap,
         recordings: Sequence[Recording],
-        repeatability: Mapping[str, float] | None = None,
+        noise: Mapping[str, float],
     ) -> None:
         check(spec, channels)
-        self.repeatability = dict(repeatability or {})
+        self._noise = {name: np.array([level]) for name, level in noise.items()}
         self.spec, self.channels = spec, channels
         self.causes = channels.causes
-        self.block, self.window, self.still = channels.block, channels.independent, 1e-9
+        self.block, self.window, self.still = channels.block_s, channels.independent, 1e-9
         self.bands: tuple[Band, ...] = (("static", 0.2), ("slow", 1.0), ("middle", 5.0), ("above", np.inf))
         self.entries = {entry.name: entry for entry in channels.channel}
         self._models: dict[tuple, mujoco.MjModel] = {}
@@ -86,10 +86,7 @@ class Robot(Subject):
         )
 
     def noise(self) -> Mapping[str, Array]:
-        return {
-            entry.name: np.array([max(entry.noise, self.repeatability.get(entry.name, 0.0))])
-            for entry in self.channels.role("compare")
-        }
+        return self._noise
 
     def clock(self, log: Recording) -> tuple[float, float]:
         signals = log.signals.values()
@@ -101,11 +98,13 @@ class Robot(Subject):
         return tuple(e for e in hypothesis if e not in sensing), sensing
 
     def simulate(self, hypothesis: Hypothesis, level: int, index: int, log: Recording) -> dict[str, Signal]:
-        run = self.run(hypothesis, level, log)
-        return {
-            entry.name: Signal(run.time, self._said(entry, run, hypothesis)[:, None], (entry.name,), "1", entry.place)
-            for entry in self.channels.role("compare")
-        }
+        run, found = self.run(hypothesis, level, log), {}
+        for entry in self.channels.role("compare"):
+            said = self._said(entry, run, hypothesis)
+            if self.channels.driven:
+                said = smoothed(run.time, said, self.channels.compared_cutoff)
+            found[entry.name] = Signal(run.time, said[:, None], (entry.name,), "1", entry.place)
+        return found
 
     def altered(self, effects: Hypothesis, signals: Mapping[str, Signal]) -> dict[str, Signal]:
         found = dict(signals)
@@ -254,10 +253,10 @@ def _at(hypothesis: Hypothesis, kind: type[E], name: str) -> list[E]:
 
 
 def _spline(time: Array, values: Array, at: Array) -> Array:
-    """Smooth values between samples: a cubic spline, whose second derivative does not jump."""
+    """Smooth values between samples, and up to a step beyond: a cubic spline, whose second derivative does not jump."""
     from scipy.interpolate import CubicSpline
 
-    return CubicSpline(time, values)(np.clip(at, time[0], time[-1]))
+    return CubicSpline(time, values)(at)
 
 
 def check(spec: mujoco.MjSpec, channels: ChannelMap) -> None:
@@ -310,7 +309,7 @@ def robot_campaign(
         judged += found[first:]
     for log in held_out:
         judged += stretches_of(log, channels)
-    robot = Robot(spec, channels, learnt, repeatability(logs[0], channels))
+    robot = Robot(spec, channels, learnt, noise_of(logs[0], channels))
     return Campaign(robot, [*learnt, *judged], len(learnt))
 
 

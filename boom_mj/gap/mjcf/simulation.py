@@ -105,7 +105,8 @@ def simulate(model: mujoco.MjModel, course: Course) -> Run:
         address, dof = model.joint(joint).qposadr[0], model.joint(joint).dofadr[0]
         batch.qpos[0, address], batch.qvel[0, dof] = position, speed
     for joint, path in course.path.items():
-        padded = np.concatenate([[2 * path[0] - path[1]], path, [2 * path[-1] - path[-2]]])
+        before, after = (3 * a - 3 * b + c for a, b, c in (path[:3], path[:-4:-1]))
+        padded = np.concatenate([[before], path, [after]])
         speed = np.diff(padded) / step
         control[:, model.actuator(DRIVE + joint).id] = path + np.diff(speed) / step / SERVO**2
         batch.qpos[0, model.joint(joint).qposadr[0]] = path[0]

@@ -7,12 +7,14 @@ import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
 from boom_mj.errors import LogError
+from boom_mj.gap.campaign import own_noise
 from boom_mj.gap.mjcf.channel_map import ChannelEntry, ChannelMap
 from boom_mj.logs.columns import read_columns
 from boom_mj.recording import Recording, Signal
 
 Array = np.ndarray
 ORDER = 4  # of the Butterworth filter, run both ways
+EDGE = 2.0  # periods of the cutoff
 SHORTEST = 0.5  # of a window, below which a rest is left out
 
 
@@ -20,7 +22,9 @@ def stretches_of(path: Path, channels: ChannelMap) -> list[Recording]:
     """A log in stretches of `channels.window` seconds.
 
     Every stretch holds its channels by name, driving motion smooth, and the measured state of other joints at its start
-    as "start/JOINT": one sample of position and speed. Compared channels begin `channels.settle` later.
+    as "start/JOINT": one sample of position and speed. Compared channels begin `channels.settle` later. Where motion
+    drives, a smooth motion cannot make the model's forces sharp: compared channels are smoothed, too, by a lower cutoff
+    that `Robot` applies to the model, and what drives reaches some periods beyond what is compared.
 
     Raises:
         LogError: fields that are not there, times that do not increase, holes in what drives, a log that is too short.
@@ -28,6 +32,7 @@ def stretches_of(path: Path, channels: ChannelMap) -> list[Recording]:
     table = read_columns(path, {channels.time, *(f for entry in channels.channel for f in entry.fields)})
     time = _checked_time(path, table[channels.time] * channels.time_scale)
     values = {entry.name: _value(entry, table) for entry in channels.channel}
+    margin = EDGE / channels.cutoff if channels.driven else 0.0
     for entry in channels.channel:
         if len(values[entry.name]) != len(time):
             raise LogError(f"{path}: {entry.name} has {len(values[entry.name])} samples, its time {len(time)}")
@@ -40,15 +45,18 @@ def stretches_of(path: Path, channels: ChannelMap) -> list[Recording]:
     }
     for entry in channels.role("drive"):
         values[entry.name] = smooth[entry.name]
-    end = min(time[-1], channels.stop if channels.stop is not None else np.inf)
-    begins = np.arange(max(time[0], channels.start), end - SHORTEST * channels.window, channels.window)
+    if channels.driven:
+        for entry in channels.role("compare"):
+            values[entry.name] = smoothed(time, values[entry.name], channels.compared_cutoff)
+    end = min(time[-1] - margin, channels.stop if channels.stop is not None else np.inf)
+    begins = np.arange(max(time[0] + margin, channels.start), end - SHORTEST * channels.window, channels.window)
     if not begins.size:
         raise LogError(f"{path} lasts {time[-1] - time[0]:.2f} s: too short for a window of {channels.window} s")
     found = []
     for begin in begins:
         stop = min(begin + channels.window, end)
-        inside = (time >= begin - 1e-9) & (time < stop - 1e-9)
-        late = inside & (time >= begin + channels.settle - 1e-9)
+        inside = (time >= begin - margin - 1e-9) & (time < stop + margin - 1e-9)
+        late = (time >= begin + channels.settle - 1e-9) & (time < stop - 1e-9)
         signals = {}
         for entry in channels.channel:
             rows = late if entry.role == "compare" else inside
@@ -66,24 +74,25 @@ def stretches_of(path: Path, channels: ChannelMap) -> list[Recording]:
     return found
 
 
-def repeatability(path: Path, channels: ChannelMap) -> dict[str, float]:
-    """Noise per sample of compared channels, by what differs between passes of a motion that repeats.
+def noise_of(path: Path, channels: ChannelMap) -> dict[str, float]:
+    """Noise per sample of compared channels: what their differences show, and what differs between passes.
 
-    Differences are taken of means over blocks, of which `channels.repeat` should be a whole number, and spread over
-    the samples of a block as white noise would be.
+    Passes are compared by means over blocks, of which `channels.repeat` should be a whole number; what differs is
+    spread over the samples of a block as white noise would be.
     """
-    if channels.repeat is None:
-        return {}
     table = read_columns(path, {channels.time, *(f for entry in channels.channel for f in entry.fields)})
     time, found = _checked_time(path, table[channels.time] * channels.time_scale), {}
-    count = max(1, round(channels.block * (len(time) - 1) / (time[-1] - time[0])))
-    lag = round(channels.repeat / channels.block)
+    count = max(1, round(channels.block_s * (len(time) - 1) / (time[-1] - time[0])))
     for entry in channels.role("compare"):
         values = _value(entry, table)
-        means = values[: len(values) // count * count].reshape(-1, count).mean(axis=1)
-        if len(means) < 2 * lag:
-            raise LogError(f"{path}: {time[-1] - time[0]:.1f} s hold no two passes of repeat = {channels.repeat} s")
-        found[entry.name] = float(np.nanstd(means[lag:] - means[:-lag]) / np.sqrt(2) * np.sqrt(count))
+        found[entry.name] = max(entry.noise, own_noise(values))
+        if channels.repeat is not None:
+            lag = round(channels.repeat / channels.block_s)
+            means = values[: len(values) // count * count].reshape(-1, count).mean(axis=1)
+            if len(means) < 2 * lag:
+                raise LogError(f"{path}: {time[-1] - time[0]:.1f} s hold no two passes of repeat = {channels.repeat} s")
+            between = float(np.nanstd(means[lag:] - means[:-lag]) / np.sqrt(2) * np.sqrt(count))
+            found[entry.name] = max(found[entry.name], between)
     return found
 
 
