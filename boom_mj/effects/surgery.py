@@ -56,8 +56,8 @@ def add_mass(spec: mujoco.MjSpec, body: str, mass: float) -> None:
     host = spec.body(body)
     seats = [site.pos for site in host.sites if site.name.rpartition("/")[2] in SEATS]
     place = seats[0] if seats else spec.copy().compile().body(body).ipos
-    load = host.add_body(name=f"{body}/payload", pos=place)
-    load.mass, load.inertia, load.explicitinertial = mass, np.full(3, mass * 4e-7), True
+    load = host.add_body(name=f"{body}/payload", pos=np.array(place))
+    load.mass, load.ipos, load.inertia, load.explicitinertial = mass, np.zeros(3), np.full(3, mass * 4e-7), True
 
 
 def turn_gravity(spec: mujoco.MjSpec, roll: float, pitch: float) -> None:

@@ -13,7 +13,6 @@ class JointStiffness(SpecEffect):
 
     id = "joint_stiffness"
     where = "joint"
-    sizes = (1.0, -1.0)
     confused_with = ("body_mass", "gravity_direction")
     told_by = "free vibration, and a known static load"
 

@@ -12,6 +12,7 @@ class LoadFriction(ResistEffect):
     """Friction of a joint in proportion to the load that its gears carry: a share of the actuator's force."""
 
     id = "load_friction"
+    needs = frozenset({"measured", "actuated"})
     confused_with = ("coulomb_friction", "actuator_gain")
     told_by = "the same motion with and without a load"
 
