@@ -7,6 +7,14 @@ SLIM = 1e-3  # armature of a series joint over the inertia behind it
 SEATS = ("payload", "tip", "attachment_site")  # sites where a payload is carried
 
 
+def chain(spec: mujoco.MjSpec, link: str) -> list[mujoco.MjsJoint]:
+    """Sprung joints LINK/1, LINK/2, ... that stand for the bending of a flexible link, root outward."""
+    found: list[mujoco.MjsJoint] = []
+    while (joint := spec.joint(f"{link}/{len(found) + 1}")) is not None:
+        found.append(joint)
+    return found
+
+
 def add_constant_force(spec: mujoco.MjSpec, joint: str, force: float) -> None:
     """A force on a joint that is always there, N or N m."""
     push = spec.add_actuator(name=f"push/{joint}", target=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT)

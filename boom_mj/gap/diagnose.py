@@ -204,10 +204,14 @@ def _with_more(
 
 
 def _simplest(best: Judged | None, rivals: Sequence[Judged], before: float) -> Judged | None:
-    """The same causes with fewer knobs, where that costs next to nothing."""
+    """The same causes with fewer knobs, where the others do not close their share of what those leave."""
     for judged in rivals:
-        if best and _nested(judged, best) and judged.held_out**2 - best.held_out**2 < SECOND * before**2:
-            best = judged
+        if best and _nested(judged, best):
+            same = [e.id for e in judged.fit.effects] == [e.id for e in best.fit.effects]
+            loss = judged.held_out**2 - best.held_out**2
+            share = judged.metric.campaign.subject.worth * (judged.held_out - 1)
+            if loss < SECOND * before**2 if same else loss < SMALLEST or judged.held_out - best.held_out < share:
+                best = judged
     return best
 
 

@@ -28,7 +28,17 @@ ARM = """
       <joint name="spin" axis="0 0 1" damping="0.02"/>
       <geom type="cylinder" size="0.1 0.01" mass="0.5"/>
     </body>
+    <body name="reed" pos="0 2 1">
+      <joint name="reed/1" axis="0 1 0" stiffness="2" damping="0.01"/>
+      <geom type="capsule" fromto="0 0 0 0.1 0 0" size="0.01" mass="0.1"/>
+      <body name="reed_2" pos="0.1 0 0">
+        <joint name="reed/2" axis="0 1 0" stiffness="2" damping="0.01"/>
+        <geom type="capsule" fromto="0 0 0 0.1 0 0" size="0.01" mass="0.1"/>
+        <site name="reed_tip" pos="0.1 0 0"/>
+      </body>
+    </body>
   </worldbody>
+  <sensor><framepos name="reed_tip" objtype="site" objname="reed_tip"/></sensor>
   <actuator>
     <motor name="motor" joint="shoulder"/>
     <motor name="spinner" joint="spin"/>
@@ -46,6 +56,7 @@ channel = [
   {name = "bend", role = "compare", joint = "flex", field = "bend", unit = "rad", noise = 1e-4},
   {name = "torque", role = "compare", actuator = "motor", field = "tau", unit = "N m", noise = 1e-2},
   {name = "push", role = "control", actuator = "spinner", field = "u", unit = "N m"},
+  {name = "sag", role = "compare", sensor = "reed_tip", component = 2, field = "q", unit = "m"},
   {name = "turn", role = "compare", joint = "spin", field = "turn", unit = "rad", noise = 1e-3},
 ]
 """

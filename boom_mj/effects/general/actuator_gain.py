@@ -15,7 +15,7 @@ class ActuatorGain(CommandEffect):
 
     @classmethod
     def sized(cls, typical: Typical) -> Mapping[str, Parameter]:
-        return {"factor": Parameter("", 1.0, 0.1, 10.0, 0.1)}
+        return {"factor": Parameter("", 1.0, 0.5, 2.0, 0.1)}
 
     def act(self, time: Array, command: Array) -> Array:
         return self.values["factor"] * command

@@ -14,6 +14,7 @@ class BodyMass(SpecEffect):
 
     id = "body_mass"
     where = "body"
+    needs = frozenset({"whole"})
     confused_with = ("payload", "armature", "actuator_gain", "joint_stiffness")
     told_by = "static and dynamic forces together"
 

@@ -12,7 +12,7 @@ class Quantisation(ChannelEffect):
     """Resolution of a channel: the log holds multiples of a step."""
 
     id = "quantisation"
-    needs = frozenset({"compared"})
+    needs = frozenset({"compared", "motion"})
     sizes = (0.3, 1.0, 3.0)
     confused_with = ("sensor_offset",)
     told_by = "slow motion"

@@ -16,7 +16,7 @@ class SensorScale(ChannelEffect):
 
     @classmethod
     def sized(cls, typical: Typical) -> Mapping[str, Parameter]:
-        return {"factor": Parameter("", 1.0, 0.1, 10.0, 0.05)}
+        return {"factor": Parameter("", 1.0, 0.5, 2.0, 0.05)}
 
     def read(self, time: Array, true: Array) -> Array:
         return self.values["factor"] * true

@@ -29,6 +29,7 @@ class ChannelEntry(BaseModel):
         terms: instead of a field, a sum of fields by their factors.
         scale, offset: to SI.
         unit: of the result.
+        relative: what counts is the difference to the value when a stretch begins.
         limit: the logged size (before scale and offset) is cut there, as the machine's amplifier does.
         noise: standard deviation of a sample in SI; at least what the log itself shows counts.
         zero: standard deviation of a zero offset that is nobody's fault, in SI.
@@ -48,6 +49,7 @@ class ChannelEntry(BaseModel):
     scale: FiniteFloat = 1.0
     offset: FiniteFloat = 0.0
     unit: str = ""
+    relative: bool = False
     limit: PositiveFloat | None = None
     noise: float = Field(default=0.0, ge=0)
     zero: float = Field(default=0.0, ge=0)
@@ -90,6 +92,20 @@ class ChannelEntry(BaseModel):
         return self.joint or self.actuator or self.sensor
 
 
+class Release(BaseModel):
+    """A log begins when something that was held lets go: a field leaves its value, as a falling body does.
+
+    Attributes:
+        field: that tells.
+        moves: by how much, in the log's own unit; the moment is where the root of its way, traced back, is zero.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    field: str
+    moves: PositiveFloat
+
+
 class ChannelMap(BaseModel):
     """A machine's channels and how its logs are cut.
 
@@ -101,6 +117,7 @@ class ChannelMap(BaseModel):
         window: length of the stretches that are simulated afresh, s.
         settle: beginning of a stretch that is simulated but not compared, s.
         cutoff: of the zero-phase filter that makes driving motion smooth, Hz.
+        release: what tells that something was let go; what comes before is left out.
         stop: what comes later is left out, s.
         repeat: period of a motion that the logs repeat, s: what differs between passes counts as noise.
         independent: beyond which residuals count as independent, s.
@@ -120,6 +137,7 @@ class ChannelMap(BaseModel):
     cutoff: PositiveFloat = 10.0
     start: float = Field(default=0.0, ge=0)
     stop: PositiveFloat | None = None
+    release: Release | None = None
     repeat: PositiveFloat | None = None
     independent: PositiveFloat = 1.0
     train: float = Field(default=0.6, gt=0, lt=1)

@@ -20,9 +20,15 @@ TINY = 1e-9
 
 def places_of(robot: "Robot", where: str, logs: Sequence[Recording], runs: Sequence[Run]) -> Iterator[Place]:
     """Names, tags and typical sizes of every place of a kind; "" is the machine as a whole."""
-    return {"joint": _joints, "body": _bodies, "actuator": _actuators, "channel": _channels, "": _whole}[where](
-        robot, logs, runs
-    )
+    kinds = {
+        "joint": _joints,
+        "link": _links,
+        "body": _bodies,
+        "actuator": _actuators,
+        "channel": _channels,
+        "": _whole,
+    }
+    return kinds[where](robot, logs, runs)
 
 
 def _joints(robot: "Robot", logs: Sequence[Recording], runs: Sequence[Run]) -> Iterator[Place]:
@@ -33,6 +39,8 @@ def _joints(robot: "Robot", logs: Sequence[Recording], runs: Sequence[Run]) -> I
     measured = {e.joint for e in channels.channel if e.joint and e.what == "position"}
     actuated = {robot.joint_of(e.actuator) for e in channels.channel if e.actuator} | set(channels.driven)
     for name in runs[0].position:
+        if name.partition("/")[0] in links(robot.spec):
+            continue
         joint = model.joint(name)
         dof = int(joint.dofadr[0])
         inertia = float(mass[dof, dof])
@@ -57,6 +65,16 @@ def _joints(robot: "Robot", logs: Sequence[Recording], runs: Sequence[Run]) -> I
         )
 
 
+def links(spec: mujoco.MjSpec) -> set[str]:
+    """Flexible links: names LINK of chains of joints LINK/1, LINK/2, ..."""
+    return {joint.name.partition("/")[0] for joint in spec.joints if joint.name.endswith("/1")}
+
+
+def _links(robot: "Robot", logs: Sequence[Recording], runs: Sequence[Run]) -> Iterator[Place]:
+    for name in sorted(links(robot.spec)):
+        yield name, frozenset(), Typical()
+
+
 def _motion(robot: "Robot", joint: str, logs: Sequence[Recording], runs: Sequence[Run]) -> tuple[Array, Array]:
     """Measured position and speed of a joint where there are any, else simulated ones."""
     names = [e.name for e in robot.channels.role("drive") if e.joint == joint]
@@ -75,7 +93,10 @@ def _bodies(robot: "Robot", logs: Sequence[Recording], runs: Sequence[Run]) -> I
     for k in range(1, model.nbody):
         if model.body_weldid[k] != 0 and model.body_mass[k] > 0:
             leaf = not np.any(model.body_parentid[k + 1 :] == k)
-            tags = frozenset({"leaf"} if leaf else ())
+            inner = model.body_jntnum[k] and model.joint(model.body_jntadr[k]).name.partition("/")[0] in links(
+                robot.spec
+            )
+            tags = frozenset({*({"leaf"} if leaf else ()), *(() if inner else {"whole"})})
             yield model.body(k).name, tags, Typical("kg", mass=float(model.body_mass[k]))
 
 

@@ -89,9 +89,8 @@ class Robot(Subject):
         return self._noise
 
     def clock(self, log: Recording) -> tuple[float, float]:
-        signals = log.signals.values()
-        begin = min(signal.time[0] for signal in signals)
-        return begin, float(max(signal.time[-1] for signal in signals) - begin)
+        begin = float(log["start"].time[0])
+        return begin, float(max(signal.time[-1] for signal in log.signals.values()) - begin)
 
     def split(self, hypothesis: Hypothesis) -> tuple[Hypothesis, Hypothesis]:
         sensing = tuple(e for e in hypothesis if isinstance(e, ChannelEffect) and self._compared(e))
@@ -101,6 +100,8 @@ class Robot(Subject):
         run, found = self.run(hypothesis, level, log), {}
         for entry in self.channels.role("compare"):
             said = self._said(entry, run, hypothesis)
+            if entry.relative:
+                said = said - said[0]
             if self.channels.driven:
                 said = smoothed(run.time, said, self.channels.compared_cutoff)
             found[entry.name] = Signal(run.time, said[:, None], (entry.name,), "1", entry.place)

@@ -29,7 +29,7 @@ def stretches_of(path: Path, channels: ChannelMap) -> list[Recording]:
     Raises:
         LogError: fields that are not there, times that do not increase, holes in what drives, a log that is too short.
     """
-    table = read_columns(path, {channels.time, *(f for entry in channels.channel for f in entry.fields)})
+    table = _table(path, channels)
     time = _checked_time(path, table[channels.time] * channels.time_scale)
     values = {entry.name: _value(entry, table) for entry in channels.channel}
     margin = EDGE / channels.cutoff if channels.driven else 0.0
@@ -49,7 +49,13 @@ def stretches_of(path: Path, channels: ChannelMap) -> list[Recording]:
         for entry in channels.role("compare"):
             values[entry.name] = smoothed(time, values[entry.name], channels.compared_cutoff)
     end = min(time[-1] - margin, channels.stop if channels.stop is not None else np.inf)
-    begins = np.arange(max(time[0] + margin, channels.start), end - SHORTEST * channels.window, channels.window)
+    first = max(time[0] + margin, channels.start)
+    if channels.release is not None:
+        first = max(first, released(time, table[channels.release.field], channels.release.moves))
+    for entry in channels.channel:
+        if entry.relative:
+            values[entry.name] = values[entry.name] - np.nanmean(values[entry.name][time <= first])
+    begins = np.arange(first, end - SHORTEST * channels.window, channels.window)
     if not begins.size:
         raise LogError(f"{path} lasts {time[-1] - time[0]:.2f} s: too short for a window of {channels.window} s")
     found = []
@@ -57,7 +63,7 @@ def stretches_of(path: Path, channels: ChannelMap) -> list[Recording]:
         stop = min(begin + channels.window, end)
         inside = (time >= begin - margin - 1e-9) & (time < stop + margin - 1e-9)
         late = (time >= begin + channels.settle - 1e-9) & (time < stop - 1e-9)
-        signals = {}
+        signals = {"start": Signal(np.array([begin - margin]), np.zeros((1, 1)), ("start",), "1", "")}
         for entry in channels.channel:
             rows = late if entry.role == "compare" else inside
             signals[entry.name] = Signal(
@@ -80,7 +86,7 @@ def noise_of(path: Path, channels: ChannelMap) -> dict[str, float]:
     Passes are compared by means over blocks, of which `channels.repeat` should be a whole number; what differs is
     spread over the samples of a block as white noise would be.
     """
-    table = read_columns(path, {channels.time, *(f for entry in channels.channel for f in entry.fields)})
+    table = _table(path, channels)
     time, found = _checked_time(path, table[channels.time] * channels.time_scale), {}
     count = max(1, round(channels.block_s * (len(time) - 1) / (time[-1] - time[0])))
     for entry in channels.role("compare"):
@@ -101,12 +107,27 @@ def split(recordings: Sequence[Recording], share: float) -> int:
     return int(np.clip(round(share * len(recordings)), 1, max(1, len(recordings) - 1)))
 
 
+def released(time: Array, values: Array, moves: float) -> float:
+    """When something was let go, s: the root of its way grows evenly at first, traced back to zero."""
+    way = np.abs(values - np.median(values[: max(5, len(values) // 50)]))
+    if not (way > moves).any():
+        raise LogError(f"release: nothing moves by {moves}; the largest way is {np.nanmax(way):.3g}")
+    at = int(np.argmax(way > moves))
+    slope, level = np.polyfit(time[at : at + 3], np.sqrt(way[at : at + 3]), 1)
+    return float(np.clip(-level / slope, time[max(at - 3, 0)], time[at]))
+
+
 def smoothed(time: Array, values: Array, cutoff: float) -> Array:
     """Evenly sampled values through a filter without phase, (n,)."""
     rate = (len(time) - 1) / (time[-1] - time[0])
     if cutoff >= 0.45 * rate or len(time) < 60:
         return values
     return sosfiltfilt(butter(ORDER, cutoff, fs=rate, output="sos"), values)
+
+
+def _table(path: Path, channels: ChannelMap) -> dict[str, Array]:
+    release = {channels.release.field} if channels.release else set()
+    return read_columns(path, {channels.time, *release, *(f for entry in channels.channel for f in entry.fields)})
 
 
 def _value(entry: ChannelEntry, table: dict[str, Array]) -> Array:
