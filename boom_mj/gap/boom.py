@@ -35,6 +35,7 @@ MOVING = 1e-3  # rad/s
 SHORT = 1.0  # s, of a start and around a reversal
 AFTER = 12.0  # s, how long a stop is remembered
 DRIVE = "joint/position"
+LEARNT = 0.6  # of a recording, where none is held out
 
 
 def tolerances() -> tuple[Tolerance, ...]:
@@ -155,6 +156,9 @@ class Boom(Subject):
 
     def next_experiment(self, explanations: Sequence[Hypothesis], done: Sequence[str]) -> str | None:
         return next_experiment(self.machine, explanations, done)
+
+    def learns(self, time: Array, lasts: Array) -> Array:
+        return time < LEARNT * lasts
 
     def shortcut(self, probe: Effect, metric: "Metric") -> Array | None:
         """An angle error moves the boom as a zero offset of its size at that moment would."""

@@ -125,8 +125,8 @@ class Campaign:
         """Entries to learn from, (N,) of bool."""
         if not self.split_in_time:
             return self.used & (self.recording_of < self.training)
-        cut = [0.6 * self.duration(index) for index in range(len(self.recordings))]
-        return self.used & (self.time < np.asarray(cut)[self.recording_of])
+        lasts = np.array([self.duration(index) for index in range(len(self.recordings))])
+        return self.used & self.subject.learns(self.time, lasts[self.recording_of])
 
     @cached_property
     def held_out(self) -> Array:

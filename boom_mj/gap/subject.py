@@ -140,6 +140,15 @@ class Subject(ABC):
     def next_experiment(self, explanations: Sequence[Hypothesis], done: Sequence[str]) -> str | None:
         """What would separate explanations that tie; None where nothing is known."""
 
+    @abstractmethod
+    def learns(self, time: Array, lasts: Array) -> Array:
+        """What to learn from where no whole recording is held out, (n,) of bool.
+
+        Args:
+            time: from the recording's start, (n,), s.
+            lasts: the recording, (n,), s.
+        """
+
+    @abstractmethod
     def shortcut(self, probe: Effect, metric: "Metric") -> Array | None:
-        """The whitened column of a probe where it needs no simulation of its own, (N,)."""
-        return None
+        """The whitened column of a probe where it needs no simulation of its own, (N,); None where it does."""

@@ -13,6 +13,7 @@ from boom_mj.effects.general_effect import ChannelEffect, CommandEffect, ResistE
 from boom_mj.errors import ChannelMapError, EffectError, InputError
 from boom_mj.gap.campaign import Campaign
 from boom_mj.gap.diagnose import Diagnosis
+from boom_mj.gap.metric import Metric
 from boom_mj.gap.mjcf.channel_map import ChannelEntry, ChannelMap, load_channel_map
 from boom_mj.gap.mjcf.places import places_of
 from boom_mj.gap.mjcf.simulation import Course, Run, drivable, simulate
@@ -145,6 +146,13 @@ class Robot(Subject):
         """In words, by the library's own advice: there is no catalogue of experiments for any machine."""
         told = {effect.told_by for explanation in explanations for effect in explanation if effect.told_by}
         return " and ".join(sorted(told)) or None
+
+    def learns(self, time: Array, lasts: Array) -> Array:
+        """Two of three windows of independence: a lone recording may have all that happens in its beginning."""
+        return (time // self.window).astype(int) % 3 != 2
+
+    def shortcut(self, probe: Effect, metric: Metric) -> Array | None:
+        return None
 
     def run(self, hypothesis: Hypothesis, level: int, log: Recording) -> Run:
         """A stretch under effects; those of compared channels are left to `altered`."""
