@@ -1,30 +1,26 @@
 """Any MJCF machine as a subject of diagnosis: what its channel map compares, and the effects of `effects/general/`."""
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from threading import Lock
-from typing import Any, TypeVar
+from typing import Any
 
 import mujoco
 import numpy as np
 
 from boom_mj.effects import Effect
 from boom_mj.effects.general_effect import ChannelEffect, CommandEffect, ResistEffect, SpecEffect, general_library
-from boom_mj.errors import ChannelMapError, EffectError, InputError
-from boom_mj.gap.campaign import Campaign
-from boom_mj.gap.diagnose import Diagnosis
+from boom_mj.errors import EffectError
 from boom_mj.gap.metric import Metric
-from boom_mj.gap.mjcf.channel_map import ChannelEntry, ChannelMap, load_channel_map
+from boom_mj.gap.mjcf.channel_map import ChannelEntry, ChannelMap
+from boom_mj.gap.mjcf.checking import check
 from boom_mj.gap.mjcf.places import places_of
 from boom_mj.gap.mjcf.simulation import Course, Run, drivable, simulate
-from boom_mj.gap.mjcf.stretches import noise_of, smoothed, split, stretches_of
+from boom_mj.gap.mjcf.stretches import smoothed
 from boom_mj.gap.subject import Band, Fidelity, Hypothesis, Subject, Tolerance
 from boom_mj.recording import Recording, Signal
 
 Array = np.ndarray
-E = TypeVar("E", ChannelEffect, CommandEffect, ResistEffect)
 KEPT = 24  # compiled models
-SCALAR = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
 STILL = 0.02  # of a joint's fastest speed in a stretch
 BASE, FINE = 1, 2  # divisions of the model's step: the integrators are of first order in it
 
@@ -163,20 +159,21 @@ class Robot(Subject):
         for entry in self.channels.role("drive"):
             values = log[entry.name].values[:, 0]
             clock = log[entry.name].time - begin
-            for effect in _at(hypothesis, ChannelEffect, entry.name):
+            for effect in _readings(hypothesis, entry.name):
                 values = effect.true(clock, values)
             path[entry.joint] = _spline(clock, values, time)
         for entry in self.channels.role("control"):
             clock = log[entry.name].time - begin
             values = np.interp(time, clock, log[entry.name].values[:, 0])
-            for effect in _at(hypothesis, CommandEffect, entry.actuator):
-                values = effect.act(time, values)
+            for motor in _commands(hypothesis, entry.actuator):
+                values = motor.act(time, values)
             command[entry.actuator] = values
         for joint in self._by_hand(hypothesis):
             motion = log[f"motion/{joint}"]
             speed = np.gradient(_spline(motion.time - begin, motion.values[:, 0], time), time)
             load = sum((command[a] for a in command if self.joint_of(a) == joint), np.zeros(len(time)))
-            force[joint] = -sum(e.resist(speed, load) for e in _at(hypothesis, ResistEffect, joint))
+            resisting = [e.resist(speed, load) for e in _resistances(hypothesis, joint)]
+            force[joint] = -np.sum(resisting, axis=0)
         start = {
             name.removeprefix("start/"): (float(signal.values[0, 0]), float(signal.values[0, 1]))
             for name, signal in log.signals.items()
@@ -211,10 +208,10 @@ class Robot(Subject):
         if joint not in self.channels.driven:
             return run.force[entry.actuator]
         force = run.force[joint]
-        for effect in _at(hypothesis, ResistEffect, joint):
+        for effect in _resistances(hypothesis, joint):
             force = force + effect.resist(run.velocity[joint], force)
-        for effect in reversed(_at(hypothesis, CommandEffect, entry.actuator)):
-            force = effect.command(run.time, force)
+        for motor in reversed(_commands(hypothesis, entry.actuator)):
+            force = motor.command(run.time, force)
         return force
 
     @property
@@ -256,9 +253,16 @@ class Robot(Subject):
         return drives + [name for name in log.signals if name.startswith("motion/")]
 
 
-def _at(hypothesis: Hypothesis, kind: type[E], name: str) -> list[E]:
-    """Effects of a kind at a place."""
-    return [e for e in hypothesis if isinstance(e, kind) and e.name == name]
+def _readings(hypothesis: Hypothesis, channel: str) -> list[ChannelEffect]:
+    return [e for e in hypothesis if isinstance(e, ChannelEffect) and e.name == channel]
+
+
+def _commands(hypothesis: Hypothesis, actuator: str) -> list[CommandEffect]:
+    return [e for e in hypothesis if isinstance(e, CommandEffect) and e.name == actuator]
+
+
+def _resistances(hypothesis: Hypothesis, joint: str) -> list[ResistEffect]:
+    return [e for e in hypothesis if isinstance(e, ResistEffect) and e.name == joint]
 
 
 def _spline(time: Array, values: Array, at: Array) -> Array:
@@ -266,64 +270,3 @@ def _spline(time: Array, values: Array, at: Array) -> Array:
     from scipy.interpolate import CubicSpline
 
     return CubicSpline(time, values)(at)
-
-
-def check(spec: mujoco.MjSpec, channels: ChannelMap) -> None:
-    """Refuse a map that names what the model does not have.
-
-    Raises:
-        ChannelMapError: the channel, the name, and the names that there are.
-    """
-    model = spec.copy().compile()
-    scalar = [int(kind) for kind in SCALAR]
-    known = {
-        "joint": [model.joint(k).name for k in range(model.njnt) if model.jnt_type[k] in scalar],
-        "actuator": [model.actuator(k).name for k in range(model.nu)],
-        "sensor": [model.sensor(k).name for k in range(model.nsensor)],
-    }
-    wrong = [
-        f"channel '{entry.name}': {key} = '{name}' is none of the model's hinges and slides" * (key == "joint")
-        + f"channel '{entry.name}': {key} = '{name}' is not in the model" * (key != "joint")
-        + f"; it has {', '.join(names) or 'none'}"
-        for entry in channels.channel
-        for key, names in known.items()
-        if (name := getattr(entry, key)) and name not in names
-    ]
-    if wrong:
-        raise ChannelMapError("\n".join(wrong))
-
-
-def robot_campaign(
-    logs: Sequence[Path], held_out: Sequence[Path], map_file: Path, model_file: Path | None = None
-) -> Campaign:
-    """A campaign of an MJCF machine: logs to learn from, logs to judge by; without any, a log's end is held out.
-
-    Raises:
-        InputError: no model, or one that MuJoCo does not take.
-    """
-    channels = load_channel_map(map_file)
-    if model_file is None and not channels.model:
-        raise InputError(f"{map_file} names no model; say which with --model")
-    path = model_file or map_file.parent / channels.model
-    try:
-        spec = mujoco.MjSpec.from_file(str(path))
-        spec.copy().compile()
-    except ValueError as error:
-        raise InputError(f"{path} is no MJCF model: {error}") from error
-    learnt, judged = [], []
-    for log in logs:
-        found = stretches_of(log, channels)
-        first = len(found) if held_out else split(found, channels.train)
-        learnt += found[:first]
-        judged += found[first:]
-    for log in held_out:
-        judged += stretches_of(log, channels)
-    robot = Robot(spec, channels, learnt, noise_of(logs[0], channels))
-    return Campaign(robot, [*learnt, *judged], len(learnt))
-
-
-def corrected_model(found: Diagnosis) -> str:
-    """MJCF text with the best explanation's effects in it."""
-    robot = found.metric.campaign.subject
-    assert isinstance(robot, Robot)
-    return robot.corrected(found.best.fit.effects if found.best else ())

@@ -126,8 +126,15 @@ def smoothed(time: Array, values: Array, cutoff: float) -> Array:
 
 
 def _table(path: Path, channels: ChannelMap) -> dict[str, Array]:
+    """All fields of a log; `FILE:field` stands in a file beside it, sample for sample."""
     release = {channels.release.field} if channels.release else set()
-    return read_columns(path, {channels.time, *release, *(f for entry in channels.channel for f in entry.fields)})
+    fields = {channels.time, *release, *(f for entry in channels.channel for f in entry.fields)}
+    found: dict[str, Array] = {}
+    for beside in {field.rpartition(":")[0] for field in fields}:
+        mine = {field: field.rpartition(":")[2] for field in fields if field.rpartition(":")[0] == beside}
+        columns = read_columns(path.parent / beside if beside else path, mine.values())
+        found |= {field: columns[name] for field, name in mine.items()}
+    return found
 
 
 def _value(entry: ChannelEntry, table: dict[str, Array]) -> Array:
