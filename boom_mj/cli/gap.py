@@ -51,6 +51,11 @@ def effects() -> None:
         for name, knob in kind.parameters.items():
             print(f"    - {name}: {knob.unit}, neutral {knob.neutral:g}, from {knob.low:g} to {knob.high:g}")
         print(f"    confused with: {', '.join(kind.confused_with) or 'nothing known'}; told by: {kind.told_by}\n")
+    print("Of any MJCF machine (--map); sizes and places come from the model and its logs:\n")
+    for general in general_library().values():
+        print(f"{general.id}  ({general.where or 'the whole machine'})")
+        print("    " + (inspect.getdoc(general) or "").replace("\n", "\n    "))
+        print(f"    confused with: {', '.join(general.confused_with)}; told by: {general.told_by}\n")
 
 
 @app.command(cls=ManyHoldouts)

@@ -15,6 +15,15 @@ def chain(spec: mujoco.MjSpec, link: str) -> list[mujoco.MjsJoint]:
     return found
 
 
+def add_friction(spec: mujoco.MjSpec, joint: str, force: float) -> None:
+    """Dry friction of a joint, N or N m, with a constraint so stiff that it creeps little."""
+    if force:
+        rubbing = spec.joint(joint)
+        rubbing.frictionloss += force
+        rubbing.solref_friction = (2 * spec.option.timestep, 1.0)
+        rubbing.solimp_friction = (0.99, 0.999, 0.001, 0.5, 2.0)
+
+
 def add_constant_force(spec: mujoco.MjSpec, joint: str, force: float) -> None:
     """A force on a joint that is always there, N or N m."""
     push = spec.add_actuator(name=f"push/{joint}", target=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT)

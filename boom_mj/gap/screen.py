@@ -46,7 +46,7 @@ class Signatures:
         given: tuple[Effect, ...] = (),
     ):
         self.metric = metric
-        taken = {(effect.id, tuple(effect.location.items())) for effect in given}
+        taken = {(name, tuple(e.location.items())) for e in given for name in (e.id, *e.special_cases)}
         free = [(kind, place) for kind, place in kinds if (kind.id, tuple(place.items())) not in taken]
         self.rows = [(kind, place, group) for kind, place in free for group in kind.probes(place, lines) if group]
         campaign, subject = metric.campaign, metric.campaign.subject

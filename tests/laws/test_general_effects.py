@@ -115,8 +115,8 @@ def test_neutral_parameters_change_nothing(name: str) -> None:
 def test_every_knob_moves_something(name: str) -> None:
     for kind, place in [row for row in placed() if row[0].id == name][:3]:
         values: dict[str, float] = {}
-        for probe in kind.probes(place)[-1]:
-            values |= probe
+        for each in kind.probes(place)[-1]:
+            values |= each
         probe = kind(place, **values)
         moved = predicted(probe)
         assert np.isfinite(moved).all() and np.abs(moved - nominal()).max() > 1e-9, probe

@@ -6,7 +6,7 @@ import mujoco
 
 from boom_mj.effects.effect import Parameter
 from boom_mj.effects.general_effect import SpecEffect, Typical
-from boom_mj.effects.surgery import add_constant_force
+from boom_mj.effects.surgery import add_constant_force, add_friction
 
 
 class AsymmetricFriction(SpecEffect):
@@ -29,9 +29,6 @@ class AsymmetricFriction(SpecEffect):
 
     def edit(self, spec: mujoco.MjSpec) -> None:
         forward, backward = self.values["forward"], self.values["backward"]
-        if forward or backward:
-            joint = spec.joint(self.name)
-            joint.frictionloss += (forward + backward) / 2
-            joint.solref_friction = (2 * spec.option.timestep, 1.0)
-            joint.solimp_friction = (0.99, 0.999, 0.001, 0.5, 2.0)
+        add_friction(spec, self.name, (forward + backward) / 2)
+        if forward != backward:
             add_constant_force(spec, self.name, -(forward - backward) / 2)

@@ -6,6 +6,7 @@ import mujoco
 
 from boom_mj.effects.effect import Parameter
 from boom_mj.effects.general_effect import SpecEffect, Typical
+from boom_mj.effects.surgery import add_friction
 
 
 class CoulombFriction(SpecEffect):
@@ -25,8 +26,4 @@ class CoulombFriction(SpecEffect):
         return {"force": Parameter(typical.force_unit, 0.0, 0.0, 20 * typical.value, 0.1 * typical.value)}
 
     def edit(self, spec: mujoco.MjSpec) -> None:
-        if self.values["force"]:
-            joint = spec.joint(self.name)
-            joint.frictionloss += self.values["force"]
-            joint.solref_friction = (2 * spec.option.timestep, 1.0)
-            joint.solimp_friction = (0.99, 0.999, 0.001, 0.5, 2.0)
+        add_friction(spec, self.name, self.values["force"])

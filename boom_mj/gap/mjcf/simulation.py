@@ -127,16 +127,15 @@ def simulate(model: mujoco.MjModel, course: Course) -> Run:
         raise SimulationError("the simulation left the numbers")
     middle = (qvel[0, :-1] + qvel[0, 1:]) / 2
     joints = [model.joint(k) for k in range(model.njnt) if model.joint(k).type[0] in (2, 3)]
-    force = {
-        model.actuator(k).name: record["actuator_force"][0][:, k] * model.actuator_gear[k, 0] for k in range(model.nu)
-    }
+    exerted = record["actuator_force"][0] * model.actuator_gear[:, 0]
+    forces = {model.actuator(k).name: exerted[:, k] for k in range(model.nu)}
     acceleration = {j.name: record["qacc"][0][:, j.dofadr[0]] for j in joints}
-    driven = {j: force[DRIVE + j] - heavy_armature(model, j) * acceleration[j] for j in course.path}
+    driven = {j: forces[DRIVE + j] - heavy_armature(model, j) * acceleration[j] for j in course.path}
     return Run(
         time,
         {j.name: qpos[0, :-1, j.qposadr[0]] for j in joints},
         {j.name: middle[:, j.dofadr[0]] for j in joints},
         acceleration,
-        {**force, **driven},
+        {**forces, **driven},
         record["sensordata"][0],
     )
