@@ -68,7 +68,7 @@ class Boom(Subject):
     block, window, still = BLOCK, 5.0, MOVING
     bands = (("static", 0.2), ("first mode", 0.8), ("second mode", 2.5), ("above", np.inf))
     fidelity = Fidelity(COARSE, HINGES, FINE, 1 - (HINGES / FINE) ** ORDER)
-    causes, worth = 2, 0.5
+    causes, worth, spill = 2, 0.5, 0.01
     listening = "imu/link5/specific_force"
 
     def __init__(self, machine: Machine) -> None:

@@ -19,7 +19,6 @@ FINALISTS = 6  # singles that are fitted
 SECONDS = 2  # partners tried for each of the best singles
 LEADERS = 2  # of which combinations are tried, and which are fitted again
 SMALLEST = 0.10  # fall of the held-out mean square that counts
-SECOND = 0.01  # ... for a second effect besides, in units of what the first took away
 QUIET = 1.15  # held-out gap up to which nothing needs explaining
 SLACK = 0.02  # of the gap, that an explanation may leave besides
 ROUNDS, WORSE = 2, 1.2  # of polishing, and the growth of the training gap at which it is given up
@@ -196,9 +195,9 @@ def _with_more(
         members = [j for j in contest if set(j.fit.candidate.places) < set(judged.fit.candidate.places)]
         alone = min([before, *(j.held_out for j in members), *([best.held_out] if best else [])])
         gain = alone**2 - judged.held_out**2
-        enough = gain > SMALLEST + SECOND * (before**2 - alone**2)
-        worth = judged.metric.campaign.subject.worth
-        if enough and alone - judged.held_out > worth * (alone - 1):
+        subject = judged.metric.campaign.subject
+        enough = gain > SMALLEST + subject.spill * (before**2 - alone**2)
+        if enough and alone - judged.held_out > subject.worth * (alone - 1):
             return _simplest(judged, larger, before)
     return best
 
@@ -207,10 +206,13 @@ def _simplest(best: Judged | None, rivals: Sequence[Judged], before: float) -> J
     """The same causes with fewer knobs, where the others do not close their share of what those leave."""
     for judged in rivals:
         if best and _nested(judged, best):
-            same = [e.id for e in judged.fit.effects] == [e.id for e in best.fit.effects]
+            subject = judged.metric.campaign.subject
             loss = judged.held_out**2 - best.held_out**2
-            share = judged.metric.campaign.subject.worth * (judged.held_out - 1)
-            if loss < SECOND * before**2 if same else loss < SMALLEST or judged.held_out - best.held_out < share:
+            share = subject.worth * (judged.held_out - 1)
+            same = [e.id for e in judged.fit.effects] == [e.id for e in best.fit.effects]
+            if same and subject.spill:
+                best = judged if loss < subject.spill * before**2 else best
+            elif loss < SMALLEST or judged.held_out - best.held_out < share:
                 best = judged
     return best
 

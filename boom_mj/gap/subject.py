@@ -62,6 +62,7 @@ class Subject(ABC):
         still: speed below which a coordinate of `motion` is at rest, in its unit.
         causes: most effects that an explanation may have.
         worth: share of the remaining gap that another effect must close.
+        spill: share of the mean square that effects took away, which their own inaccuracy may leave.
         listening: signal in which periodic effects show as spectral lines, if there is one.
     """
 
@@ -72,6 +73,7 @@ class Subject(ABC):
     fidelity: Fidelity
     causes: int
     worth: float
+    spill: float
     listening: ClassVar[str | None] = None
 
     @property

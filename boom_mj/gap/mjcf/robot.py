@@ -36,7 +36,7 @@ class Robot(Subject):
     """
 
     fidelity = Fidelity(BASE, BASE, FINE, 0.5)
-    worth = 0.1
+    worth, spill = 0.1, 0.0
 
     def __init__(
         self,
