@@ -116,7 +116,9 @@ def _weigh(campaign: Campaign, effects: Hypothesis, columns: Sequence[Array]) ->
     refinement = (fine - base) / fidelity.shrunk
     variance = campaign.noise**2 + (LEFT * _carried(campaign, np.abs(refinement))) ** 2
     weight = np.where(campaign.used, 1 / np.sqrt(np.where(campaign.used, variance, 1.0)), 0.0)
-    basis = np.array([np.nan_to_num(column) * weight for column in columns]).reshape(-1, len(weight)).T
+    basis = np.zeros((len(weight), 0))
+    if columns:
+        basis = np.stack([np.nan_to_num(column) * weight for column in columns], axis=1)
     train = campaign.train
     curvature = np.eye(len(columns)) + basis[train].T @ basis[train]
     return Metric(campaign, effects, base, refinement, weight, basis, campaign.subject.tolerances(), curvature)

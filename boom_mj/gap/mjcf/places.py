@@ -54,6 +54,11 @@ def _joints(robot: "Robot", logs: Sequence[Recording], runs: Sequence[Run]) -> I
             for e in channels.role("compare")
             if e.actuator and robot.joint_of(e.actuator) == name
         ]
+        forces += [
+            _rms(np.concatenate([run.force[e.actuator] for run in runs]))
+            for e in channels.role("control")
+            if robot.joint_of(e.actuator) == name
+        ]
         tags = {"driven"} if name in channels.driven else {"free"}
         tags |= {"measured"} if name in measured else set()
         tags |= {"actuated"} if name in actuated else set()
