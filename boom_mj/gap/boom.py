@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 Array = np.ndarray
 BLOCK = 0.1  # s: the first modes lie far below, the noise falls, and the milliseconds after a cut rope weigh less
-COARSE, HINGES, FINE = 2, 4, 6  # hinges: of screening and nuisances, of the contest, of the fidelity check
+COARSE, HINGES, FINE = 2, 4, 6  # hinges: of all differences, of what they are added to, of the fidelity check
 ORDER = 2  # of convergence in the number of hinges
-PACE = 2.0  # times the plant's own step, for screening
+PACE = {COARSE: 2.0, FINE: (HINGES / FINE) ** 2}  # of the plant's own step: errors of step and hinges fall alike
 KEPT = 24  # compiled plants
 STIFFNESS = {"v": 0.005, "w": 0.005, "torsion": 0.01}  # of all links
 MASS, DAMPING = 0.003, 0.05  # of a link, of all of them
@@ -180,7 +180,7 @@ class Boom(Subject):
         with self._compiling:
             if hinges not in self._booms:
                 self._booms[hinges] = build(self.machine, hinges)
-                self._booms[hinges].spec.option.timestep *= PACE if hinges <= COARSE else 1.0
+                self._booms[hinges].spec.option.timestep *= PACE.get(hinges, 1.0)
             if key not in self._plants:
                 while len(self._plants) >= KEPT:
                     self._plants.pop(next(iter(self._plants)))
