@@ -20,7 +20,7 @@ class GravityDirection(SpecEffect):
 
     @classmethod
     def sized(cls, typical: Typical) -> Mapping[str, Parameter]:
-        tilt = Parameter("rad", 0.0, -0.5, 0.5, 0.02)
+        tilt = Parameter("rad", 0.0, -0.1, 0.1, 0.02)
         return {"roll": tilt, "pitch": tilt}
 
     def edit(self, spec: mujoco.MjSpec) -> None:
