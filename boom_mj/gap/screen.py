@@ -12,6 +12,7 @@ from itertools import pairwise
 import numpy as np
 
 from boom_mj.effects import Effect
+from boom_mj.effects.effect import Location
 from boom_mj.gap.candidate import Candidate
 from boom_mj.gap.metric import Metric
 
@@ -46,8 +47,8 @@ class Signatures:
         given: tuple[Effect, ...] = (),
     ):
         self.metric = metric
-        taken = {(name, tuple(e.location.items())) for e in given for name in (e.id, *e.special_cases)}
-        free = [(kind, place) for kind, place in kinds if (kind.id, tuple(place.items())) not in taken]
+        taken = {cause for effect in given for cause in _causes(type(effect), effect.location)}
+        free = [(kind, place) for kind, place in kinds if not taken & _causes(kind, place)]
         self.rows = [(kind, place, group) for kind, place in free for group in kind.probes(place, lines) if group]
         campaign, subject = metric.campaign, metric.campaign.subject
         probes = [kind(place, **probe) for kind, place, group in self.rows for probe in group]
@@ -89,6 +90,11 @@ class Signatures:
             if candidate.places not in best or best[candidate.places].share < share:
                 best[candidate.places] = Screened(candidate, share)
         return sorted(best.values(), key=lambda s: -s.share)
+
+
+def _causes(kind: type[Effect], place: Location) -> set[tuple]:
+    """What an effect is at a place, its special cases too: of two that share one, the data cannot tell the sizes."""
+    return {(name, tuple(place.items())) for name in (kind.id, *kind.special_cases)}
 
 
 def spectral_lines(metric: Metric, residual: Array, count: int = LINES) -> list[float]:
