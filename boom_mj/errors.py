@@ -21,6 +21,10 @@ class ExperimentError(InputError):
     """An experiment that does not exist or that the machine cannot perform."""
 
 
+class ChannelMapError(InputError):
+    """A channel map that is none: every bad entry with its place, the value and what is allowed."""
+
+
 class TopicMapError(InputError):
     """A topic map that is none: every bad entry with its place, the value and what is allowed."""
 

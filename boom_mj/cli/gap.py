@@ -13,6 +13,7 @@ from typer.core import TyperCommand
 from boom_mj.cli import blind
 from boom_mj.cli.arguments import find_machine, machine_text, output_path
 from boom_mj.effects import effect_library
+from boom_mj.effects.general_effect import general_library
 from boom_mj.errors import InputError
 from boom_mj.logs import read_log, whole_file, write_mcap
 from boom_mj.recording import Recording, named_signal
@@ -50,6 +51,11 @@ def effects() -> None:
         for name, knob in kind.parameters.items():
             print(f"    - {name}: {knob.unit}, neutral {knob.neutral:g}, from {knob.low:g} to {knob.high:g}")
         print(f"    confused with: {', '.join(kind.confused_with) or 'nothing known'}; told by: {kind.told_by}\n")
+    print("Of any MJCF machine (--map); sizes and places come from the model and its logs:\n")
+    for general in general_library().values():
+        print(f"{general.id}  ({general.where or 'the whole machine'})")
+        print("    " + (inspect.getdoc(general) or "").replace("\n", "\n    "))
+        print(f"    confused with: {', '.join(general.confused_with)}; told by: {general.told_by}\n")
 
 
 @app.command(cls=ManyHoldouts)
@@ -69,30 +75,50 @@ def diagnose(
         Path | None, typer.Option(metavar="DIR", help="Nominal and corrected twin of every log, as MCAP.")
     ] = None,
     without: Annotated[list[str] | None, typer.Option(metavar="ID", help="Effect to leave out of the library.")] = None,
+    channels: Annotated[
+        Path | None,
+        typer.Option("--map", metavar="MAP.toml", help="Any machine: what the fields of its logs are."),
+    ] = None,
+    model: Annotated[
+        Path | None, typer.Option(metavar="MODEL.xml", help="Its MJCF file; the map's if left out.")
+    ] = None,
 ) -> None:
     """Say where simulator and logs disagree, which effect causes it, and how far the gap shrinks on held-out logs."""
     from boom_mj.gap import Campaign, document, with_effects_text
     from boom_mj.gap import diagnose as find
 
-    for path, suffix in ((html, ".html"), (output, ".toml")):
+    if model is not None and channels is None:
+        raise InputError("--model needs a channel map: say which field of the log is what with --map MAP.toml")
+    if channels is not None:
+        given = {"--machine": machine, "--html": html, "--predictions": predictions}
+        if wrong := [name for name, value in given.items() if value is not None]:
+            raise InputError(f"{', '.join(wrong)} goes with booms only; with --map there are --json and -o MODEL.xml")
+    for path, suffix in ((html, ".html"), (output, ".xml" if channels else ".toml")):
         if path is not None:
             output_path(path, suffix)
     for name in without or ():
-        if name not in effect_library():
-            raise InputError(f"--without {name}: the library holds {', '.join(effect_library())}")
+        known = general_library() if channels else effect_library()
+        if name not in known:
+            raise InputError(f"--without {name}: the library holds {', '.join(known)}")
     paths = [*logs, *(holdout or ())]
-    recordings = [read_log(path) for path in paths]
+    recordings = [] if channels else [read_log(path) for path in paths]
     began = time.perf_counter()
 
     def tell(line: str) -> None:
         print(f"{time.perf_counter() - began:6.1f} s  {line}", file=sys.stderr)
 
-    name = machine or recordings[0].machine
-    if not name:
-        raise InputError(f"{paths[0]}: the log does not name its machine; say which with --machine")
-    campaign = Campaign(find_machine(name), recordings, len(logs))
+    if channels is not None:
+        from boom_mj.gap.mjcf import corrected_model, robot_campaign
+
+        campaign = robot_campaign(logs, holdout or (), channels, model)
+        names = [log.name for log in campaign.recordings]
+    else:
+        name = machine or recordings[0].machine
+        if not name:
+            raise InputError(f"{paths[0]}: the log does not name its machine; say which with --machine")
+        campaign = Campaign(find_machine(name), recordings, len(logs))
+        names = [str(path) for path in paths]
     found = find(campaign, tuple(without or ()), tell)
-    names = [str(path) for path in paths]
     answer = document(found, names)
     tell(answer["verdict"])
     text = json.dumps(answer, indent=1)
@@ -101,7 +127,8 @@ def diagnose(
             stream.write(text.encode())
     if output is not None:
         with whole_file(output) as stream:
-            stream.write(with_effects_text(machine_text(name), found).encode())
+            text_of = corrected_model(found) if channels else with_effects_text(machine_text(name), found)
+            stream.write(text_of.encode())
     if predictions is not None:
         _write_predictions(found, predictions, paths)
     if html is not None:
@@ -113,7 +140,7 @@ def diagnose(
 
 def _summary(answer: dict[str, Any]) -> str:
     lines = [f"{answer['verdict']}: {answer['sentence']}", ""]
-    for effect in answer["effects"]:
+    for effect in answer["effects"] or answer["suspect"]:
         place = ", ".join(f"{k} {v}" for k, v in effect["location"].items())
         lines.append(f"  {effect['id']} {place}")
         for name, p in effect["parameters"].items():
@@ -131,14 +158,13 @@ def _summary(answer: dict[str, Any]) -> str:
 
 def _write_predictions(found: Any, folder: Path, paths: list[Path]) -> None:
     from boom_mj.gap import estimated_tolerances
-    from boom_mj.gap.campaign import HINGES
 
     folder.mkdir(parents=True, exist_ok=True)
     tolerances = estimated_tolerances(found)
     corrected = (*tolerances, *(found.best.fit.effects if found.best else ()))
     for kind, hypothesis in (("nominal", tolerances), ("corrected", corrected)):
         for index, (log, path) in enumerate(zip(found.metric.campaign.recordings, paths)):
-            twin = found.metric.campaign.twin(hypothesis, HINGES, index)
+            twin = found.metric.campaign.twin(hypothesis, found.metric.campaign.subject.fidelity.middle, index)
             signals = {name: named_signal(name, log[name].time, values) for name, values in twin.items()}
             recording = Recording(log.name, log.machine, f"{kind} twin: {log.description}", signals)
             write_mcap(recording, folder / f"{path.stem}.{kind}.mcap")

@@ -75,6 +75,7 @@ class Effect(ABC):
         places: key -> choices, such as {"link": (2, 3, 4, 5), "axis": ("v", "w", "torsion")}.
         parameters: by name.
         confused_with: ids (or words) of what looks alike.
+        special_cases: ids of effects that it becomes at some of its values.
         told_by: experiment of the catalogue that tells.
         sizes: coordinates at which screening looks; several, and both signs, where the effect is not smooth.
         location, values: of this instance; parameters left out are neutral.
@@ -84,6 +85,7 @@ class Effect(ABC):
     parameters: ClassVar[Mapping[str, Parameter]]
     places: ClassVar[Mapping[str, Sequence[int | str]]] = {}
     confused_with: ClassVar[tuple[str, ...]] = ()
+    special_cases: ClassVar[tuple[str, ...]] = ()
     told_by: ClassVar[str] = ""
     sizes: ClassVar[tuple[float, ...]] = (1.0,)
 

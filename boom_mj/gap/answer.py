@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from boom_mj.effects import Effect, make_effect
-from boom_mj.gap.campaign import FINE, HINGES
+from boom_mj.effects import Effect
 from boom_mj.gap.candidate import Candidate
 from boom_mj.gap.diagnose import Diagnosis
 from boom_mj.gap.judge import Judged, gap
@@ -47,9 +46,9 @@ def document(found: Diagnosis, names: Sequence[str]) -> dict[str, Any]:
         "pushes": [vars(push) for push in found.pushes],
         "unexplained": None,
         "provenance": {
-            "machine": campaign.machine.name,
+            "machine": campaign.subject.name,
             "recordings": {"train": list(names[: campaign.training]), "holdout": list(names[campaign.training :])},
-            "hinges": {"contest": HINGES, "fidelity": FINE},
+            **campaign.subject.provenance,
             "simulated_s": campaign.simulated_s,
             "boom_mj": version("boom_mj"),
             "mujoco": version("mujoco"),
@@ -143,6 +142,7 @@ def estimated_tolerances(found: Diagnosis) -> tuple[Effect, ...]:
     estimate = metric.estimate(metric.residual(*metric.predict([effects])))
     named = {(effect.id, tuple(effect.location.items())) for effect in effects}
     values: dict[tuple, dict[str, float]] = {}
+    kinds: dict[tuple, type[Effect]] = {}
     for share, tolerance in zip(estimate, metric.nuisances):
         for whole in tolerance.hypothesis:
             place = (whole.id, tuple(whole.location.items()))
@@ -151,7 +151,8 @@ def estimated_tolerances(found: Diagnosis) -> tuple[Effect, ...]:
                 if value != neutral and place not in named:
                     size = neutral + share * tolerance.deviation * (value - neutral)
                     values.setdefault(place, {})[name] = float(np.clip(size, *whole.parameters[name].bounds))
-    return tuple(make_effect(name, {**dict(place), **sizes}) for (name, place), sizes in values.items())
+                    kinds[place] = type(whole)
+    return tuple(kinds[place](dict(place[1]), **sizes) for place, sizes in values.items())
 
 
 def _toml(effect: Effect) -> str:

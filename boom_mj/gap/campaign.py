@@ -1,8 +1,7 @@
 """A campaign: the recordings of one machine, and what the model says of them under any hypothesis.
 
 Every hypothesis is a tuple of effects. Its prediction is one long vector: all channels of all recordings, averaged over
-BLOCK seconds - the boom's first modes lie far below, the noise falls, and what a model cannot know (the first
-milliseconds after a rope is cut) weighs less. Simulations run on threads, each at most once.
+blocks of some samples: the noise falls. Simulations run on threads, each at most once.
 """
 
 import os
@@ -14,20 +13,14 @@ from threading import Lock
 
 import numpy as np
 
-from boom_mj.effects import AngleEffect, Effect, SignalEffect, effects_of
 from boom_mj.errors import BoomError, LogError
+from boom_mj.gap.boom import BLOCK, Boom
+from boom_mj.gap.subject import Hypothesis, Subject
 from boom_mj.machine import Machine
-from boom_mj.mjcf import BoomModel, build
 from boom_mj.recording import Recording, Signal
-from boom_mj.sensors import apply_sensor_effects, driving_angles, ideal_signals, noise_levels, sample, true_angles
-from boom_mj.simulation import Plant, run, step_times
-from boom_mj.simulation.plant import with_effects
+from boom_mj.sensors import sample
 
 Array = np.ndarray
-Hypothesis = tuple[Effect, ...]
-BLOCK = 0.1  # s
-COARSE, HINGES, FINE = 2, 4, 6  # hinges: of all differences, of what they are added to, of the fidelity check
-PACE = {COARSE: 2.0, FINE: (HINGES / FINE) ** 2}  # of the plant's own step: errors of step and hinges fall alike
 KEPT = 24  # dense simulations kept for hypotheses that differ in their sensors only
 
 
@@ -59,27 +52,30 @@ class Campaign:
     """Recordings of a machine and a cache of simulations of them.
 
     Args:
-        machine: nominal.
+        subject: the machine, nominal; a machine file stands for its boom.
         recordings: for training first.
         training: how many of them are for training; the rest is held out. With all of them for training every
             recording is split in time instead.
         threads: simulations at a time.
     """
 
-    def __init__(self, machine: Machine, recordings: Sequence[Recording], training: int, threads: int | None = None):
+    def __init__(
+        self,
+        subject: Subject | Machine,
+        recordings: Sequence[Recording],
+        training: int,
+        threads: int | None = None,
+    ):
         if not recordings or training < 1:
             raise LogError("a diagnosis needs at least one recording to learn from")
-        self.machine, self.recordings, self.training = machine, tuple(recordings), training
-        self.levels = noise_levels(machine)
+        self.subject = subject if isinstance(subject, Subject) else Boom(subject)
+        self.recordings, self.training = tuple(recordings), training
         self.pool = ThreadPoolExecutor(threads or os.cpu_count() or 1)
         self.simulated_s = 0.0
-        self._booms: dict[int, BoomModel] = {}
         self._futures: dict[tuple, Future] = {}
         self._dense: dict[tuple, dict[str, Signal]] = {}
         self._parts: dict[tuple, Array] = {}
-        self._driven: dict[tuple[int, int], tuple[Array, Array]] = {}
-        self._plants: dict[tuple, Plant] = {}
-        self._lock, self._compiling = Lock(), Lock()
+        self._lock = Lock()
         self.channels = tuple(channel for index in range(len(recordings)) for channel in self._channels(index))
 
     @property
@@ -129,8 +125,8 @@ class Campaign:
         """Entries to learn from, (N,) of bool."""
         if not self.split_in_time:
             return self.used & (self.recording_of < self.training)
-        cut = [0.6 * self.duration(index) for index in range(len(self.recordings))]
-        return self.used & (self.time < np.asarray(cut)[self.recording_of])
+        lasts = np.array([self.duration(index) for index in range(len(self.recordings))])
+        return self.used & self.subject.learns(self.time, lasts[self.recording_of])
 
     @cached_property
     def held_out(self) -> Array:
@@ -138,42 +134,41 @@ class Campaign:
         return self.used & ~self.train
 
     def duration(self, index: int) -> float:
-        joints = self.recordings[index]["joint/position"]
-        return float(joints.time[-1] - joints.time[0])
+        return self.subject.clock(self.recordings[index])[1]
 
-    def predict(self, hypotheses: Sequence[Hypothesis], hinges: int, training_only: bool = False) -> list[Array]:
+    def predict(self, hypotheses: Sequence[Hypothesis], level: int, training_only: bool = False) -> list[Array]:
         """The long vector of every hypothesis, (N,) each; NaN where not asked for, or where MuJoCo left the numbers.
 
         Args:
-            hinges: equivalent hinges per elastic coordinate.
+            level: of fidelity.
             training_only: leave out recordings that are held out whole.
         """
         indices = range(self.training if training_only else len(self.recordings))
-        futures = [[self._submit(hypothesis, hinges, index) for index in indices] for hypothesis in hypotheses]
+        futures = [[self._submit(hypothesis, level, index) for index in indices] for hypothesis in hypotheses]
         return [self._stack([future.result() for future in row]) for row in futures]
 
     def _stack(self, parts: Sequence[Array]) -> Array:
         vector = np.concatenate(parts)
         return np.concatenate([vector, np.full(int(self.offsets[-1]) - len(vector), np.nan)])
 
-    def _submit(self, hypothesis: Hypothesis, hinges: int, index: int) -> Future:
-        key = (frozenset(hypothesis), hinges, index)
+    def _submit(self, hypothesis: Hypothesis, level: int, index: int) -> Future:
+        key = (frozenset(hypothesis), level, index)
         with self._lock:
             if key not in self._futures:
-                self._futures[key] = self.pool.submit(self._block_means, hypothesis, hinges, index)
+                self._futures[key] = self.pool.submit(self._block_means, hypothesis, level, index)
             return self._futures[key]
 
-    def _block_means(self, hypothesis: Hypothesis, hinges: int, index: int) -> Array:
+    def _block_means(self, hypothesis: Hypothesis, level: int, index: int) -> Array:
         channels = [channel for channel in self.channels if channel.recording == index]
         try:
-            dense, signals = self._signals(hypothesis, hinges, index)
+            dense, signals = self._signals(hypothesis, level, index)
         except BoomError:
             return np.full(sum(len(channel.time) for channel in channels), np.nan)
-        healthy = not _without_sensors(hypothesis)
+        healthy = not self.subject.split(hypothesis)[0]
         parts = []
         for channel in channels:
             unaltered = healthy and signals[channel.signal] is dense[channel.signal]
-            key = (hinges, index, channel.signal, channel.column) if unaltered else None
+            key = (level, index, channel.signal, channel.column) if unaltered else None
             parts.append(self._means(channel, signals[channel.signal], key))
         return np.concatenate(parts)
 
@@ -184,111 +179,68 @@ class Campaign:
         elapsed = self._elapsed(channel.recording, channel.signal)
         values = np.interp(elapsed, signal.time, signal.values[:, channel.column])
         values[np.isnan(self.recordings[channel.recording][channel.signal].values[:, channel.column])] = np.nan
-        means = block_means(elapsed, values)[2]
+        means = block_means(elapsed, values, self.subject.block)[2]
         if key is not None:
             self._parts[key] = means
         return means
 
-    def twin(self, hypothesis: Hypothesis, hinges: int, index: int) -> dict[str, Array]:
+    def twin(self, hypothesis: Hypothesis, level: int, index: int) -> dict[str, Array]:
         """What the sensors of a hypothesis would have said, by signal, at the log's own times, (n, k) each.
 
         Raises:
             EquilibriumError, SimulationError: the hypothesis is none.
         """
-        signals = self._signals(hypothesis, hinges, index)[1]
+        signals = self._signals(hypothesis, level, index)[1]
         log = self.recordings[index]
         return {name: sample(signals[name], self._elapsed(index, name)) for name in signals if name in log}
 
-    def _signals(self, hypothesis: Hypothesis, hinges: int, index: int) -> tuple[dict[str, Signal], dict[str, Signal]]:
+    def _signals(self, hypothesis: Hypothesis, level: int, index: int) -> tuple[dict[str, Signal], dict[str, Signal]]:
         """Densely sampled signals of healthy sensors, and of those of the hypothesis."""
-        dense = self._dense_signals(_without_sensors(hypothesis), hinges, index)
-        altering = [e for e in hypothesis if isinstance(e, SignalEffect)]
-        return dense, apply_sensor_effects(altering, dense, self.machine)
+        simulated, sensing = self.subject.split(hypothesis)
+        dense = self._dense_signals(simulated, level, index)
+        return dense, self.subject.altered(sensing, dense)
 
-    def _dense_signals(self, hypothesis: Hypothesis, hinges: int, index: int) -> dict[str, Signal]:
-        key = (frozenset(hypothesis), hinges, index)
+    def _dense_signals(self, hypothesis: Hypothesis, level: int, index: int) -> dict[str, Signal]:
+        key = (frozenset(hypothesis), level, index)
         if key in self._dense:
             return self._dense[key]
-        hypothesis = (*effects_of(self.machine), *hypothesis)
-        plant = self._plant(hypothesis, hinges)
-        steps = step_times(plant, self.duration(index))
-        reading, force = self._inputs(index, steps)
-        angle_errors = [e for e in hypothesis if isinstance(e, AngleEffect)]
-        signals = ideal_signals(run(plant, true_angles(angle_errors, reading), force))
+        signals = self.subject.simulate(hypothesis, level, index, self.recordings[index])
         with self._lock:
-            self.simulated_s += steps[-1]
+            self.simulated_s += max(signal.time[-1] for signal in signals.values())
             if key[0] == frozenset() or len(self._dense) < KEPT:
                 self._dense[key] = signals
         return signals
 
-    def _plant(self, hypothesis: Hypothesis, hinges: int) -> Plant:
-        """The compiled model of a hypothesis; the last few are kept, for its other recordings."""
-        key = (frozenset(hypothesis), hinges)
-        with self._compiling:
-            if hinges not in self._booms:
-                self._booms[hinges] = build(self.machine, hinges)
-                self._booms[hinges].spec.option.timestep *= PACE.get(hinges, 1.0)
-            if key not in self._plants:
-                while len(self._plants) >= KEPT:
-                    self._plants.pop(next(iter(self._plants)))
-                self._plants[key] = with_effects(self._booms[hinges], hypothesis)
-            plant = self._plants[key]
-        return Plant(plant.boom, plant.model, plant.effects)  # its scratch is its own
-
-    def _inputs(self, index: int, steps: Array) -> tuple[Array, Array]:
-        """Smooth joint readings and the known load at the steps of the simulation."""
-        key, log = (index, len(steps)), self.recordings[index]
-        if key not in self._driven:
-            start = log["joint/position"].time[0]
-            angles = driving_angles(log, self.levels["joint/position"][0], steps + start)
-            force = sample(log["load"], steps + start) if "load" in log else np.zeros((len(steps), 3))
-            self._driven[key] = (angles, force)
-        return self._driven[key]
-
     def _elapsed(self, index: int, signal: str) -> Array:
         log = self.recordings[index]
-        return log[signal].time - log["joint/position"].time[0]
-
-    def _compared(self, index: int) -> list[str]:
-        """Signals that are compared: all that have noise but the joint angles, which drive the model."""
-        return [name for name in self.levels if name in self.recordings[index] and name != "joint/position"]
+        return log[signal].time - self.subject.clock(log)[0]
 
     def _channels(self, index: int) -> list[Channel]:
         found, log = [], self.recordings[index]
-        for name in self._compared(index):
+        for name, levels in self.subject.noise().items():
+            if name not in log:
+                continue
             elapsed, values = self._elapsed(index, name), log[name].values
             for column in range(values.shape[1]):
-                time, count, mean = block_means(elapsed, values[:, column])
-                noise = max(float(self.levels[name][column]), _own_noise(values[:, column]) / 1.3)
-                found.append(Channel(index, name, column, group_of(name, log[name], column), time, count, mean, noise))
+                time, count, mean = block_means(elapsed, values[:, column], self.subject.block)
+                noise = max(float(levels[column]), own_noise(values[:, column]) / 1.3)
+                group = self.subject.group(name, log[name], column)
+                found.append(Channel(index, name, column, group, time, count, mean, noise))
         return found
 
 
-def _without_sensors(hypothesis: Hypothesis) -> Hypothesis:
-    return tuple(effect for effect in hypothesis if not isinstance(effect, SignalEffect))
-
-
-def group_of(name: str, signal: Signal, column: int) -> str:
-    """Channel group: sensor, link and direction."""
-    channel = signal.channels[column]
-    if name == "markers":
-        number, axis = int(channel.partition("/")[0].removeprefix("marker")), channel[-1]
-        return f"markers/link{2 + (number - 1) // 3}/{axis}"
-    return channel if name.startswith("cylinder") else f"{name}/{channel}"
-
-
-def block_means(time: Array, values: Array) -> tuple[Array, Array, Array]:
-    """Means over stretches of BLOCK seconds that leave out NaN: times of their middles, samples, means, (n,) each."""
-    block = np.floor(time / BLOCK + 1e-6).astype(int)
+def block_means(time: Array, values: Array, length: float = BLOCK) -> tuple[Array, Array, Array]:
+    """Means over stretches of some seconds that leave out NaN: times of their middles, samples, means, (n,) each."""
+    block = np.floor(time / length + 1e-6).astype(int)
     starts = np.flatnonzero(np.concatenate([[True], np.diff(block) != 0]))
     there = np.isfinite(values)
     count = np.add.reduceat(there.astype(float), starts)
     total = np.add.reduceat(np.where(there, values, 0.0), starts)
     mean = np.where(count > 0, total / np.maximum(count, 1), np.nan)
-    return (block[starts] + 0.5) * BLOCK, count, mean
+    return (block[starts] + 0.5) * length, count, mean
 
 
-def _own_noise(values: Array) -> float:
+def own_noise(values: Array) -> float:
     """Noise of a channel by its third differences, robustly: what moves slowly does not count."""
     third = np.diff(values[np.isfinite(values)], n=3)
     return float(1.4826 * np.median(np.abs(third)) / np.sqrt(20.0)) if len(third) > 10 else 0.0

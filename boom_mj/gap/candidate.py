@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from boom_mj.effects import Effect, Parameter, effect_library
+from boom_mj.effects import Effect, Parameter
+from boom_mj.gap.subject import Subject
 
 Array = np.ndarray
 
@@ -56,11 +57,6 @@ class Candidate:
         return " + ".join(" ".join([e.id, *(f"{k} {v}" for k, v in e.location.items())]) for e in self.effects)
 
 
-def everywhere(without: Sequence[str] = ()) -> list[tuple[type[Effect], dict]]:
-    """Every effect of the library at every place, but for the nuisances and the ids left out."""
-    return [
-        (kind, place)
-        for kind in effect_library().values()
-        if kind.id not in ("joint_zero_offset", *without)
-        for place in kind.locations()
-    ]
+def everywhere(subject: Subject, without: Sequence[str] = ()) -> list[tuple[type[Effect], dict]]:
+    """Every effect of a subject's library at every place, but for the ids left out."""
+    return [(kind, place) for kind, place in subject.library() if kind.id not in without]

@@ -8,22 +8,19 @@ from functools import cached_property
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from boom_mj.gap.campaign import COARSE, Campaign
+from boom_mj.gap.campaign import Campaign
 from boom_mj.gap.candidate import Candidate, everywhere
 from boom_mj.gap.fit import ROUGH, fit
 from boom_mj.gap.judge import Closure, Judged, closure, gap, judge, worse_by
 from boom_mj.gap.metric import Metric, anchored, around, make_metric
-from boom_mj.gap.next_experiment import next_experiment
-from boom_mj.gap.push import Push, pushes
 from boom_mj.gap.screen import Screened, Signatures, spectral_lines
+from boom_mj.gap.subject import Push
 
 Array = np.ndarray
 FINALISTS = 6  # singles that are fitted
 SECONDS = 2  # partners tried for each of the best singles
 LEADERS = 2  # of which combinations are tried, and which are fitted again
 SMALLEST = 0.10  # fall of the held-out mean square that counts
-SECOND = 0.01  # ... for a second effect besides, in units of what the first took away
-HALF = 0.5  # share of the remaining gap that a second effect must close
 QUIET = 1.15  # held-out gap up to which nothing needs explaining
 SLACK = 0.02  # of the gap, that an explanation may leave besides
 ROUNDS, WORSE = 2, 1.2  # of polishing, and the growth of the training gap at which it is given up
@@ -61,7 +58,7 @@ class Diagnosis:
     @cached_property
     def pushes(self) -> tuple[Push, ...]:
         """What would have to push the nominal model to where the machine is."""
-        return pushes(self.metric, self.nominal)
+        return self.metric.campaign.subject.pushes(self.metric, self.nominal)
 
 
 def diagnose(
@@ -84,7 +81,7 @@ def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], 
     nominal = metric.clean(raw)
     before = gap(metric, nominal, campaign.held_out)
     tell(f"nominal gap {gap(metric, nominal, campaign.train):.2f} in training, {before:.2f} held out; screening")
-    signatures = Signatures(metric, everywhere(without), spectral_lines(metric, nominal))
+    signatures = Signatures(metric, everywhere(campaign.subject, without), spectral_lines(metric, nominal))
     screened = signatures.rank(raw)
     tell("contest of " + ", ".join(s.candidate.label for s in screened[:FINALISTS]))
     contest = _fit_all(metric, [s.candidate for s in shortlist(screened)])
@@ -92,8 +89,9 @@ def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], 
         tell(f"nuisances around {contest[0].label}")
         contest = _polished(contest)
         contest = sorted([*contest, *_fit_all(metric, _simpler(contest))], key=lambda j: j.held_out)
-        if not solved(before, contest[0].held_out):
-            contest = _combine(contest, without, tell)
+        for size in range(2, campaign.subject.causes + 1):
+            if not solved(before, contest[0].held_out):
+                contest = _combine(contest, size, without, tell)
     best = choose(contest, before)
     share = closure(metric, nominal, best.fit.residual if best else nominal, campaign.held_out)
     verdict = "consistent" if before <= QUIET else "unexplained"
@@ -107,8 +105,8 @@ def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], 
     if best and ties:
         tell("the next experiment")
         explanations = [j.fit.effects for j in (best, *ties)]
-        following = next_experiment(campaign.machine, explanations, [log.name for log in campaign.recordings])
-    coarse = metric.clean(metric.white(campaign.measured - campaign.predict([()], COARSE)[0]))
+        following = campaign.subject.next_experiment(explanations, [log.name for log in campaign.recordings])
+    coarse = metric.clean(metric.white(campaign.measured - campaign.predict([()], campaign.subject.fidelity.coarse)[0]))
     fidelity = closure(metric, coarse, nominal, campaign.held_out).value
     return Diagnosis(verdict, best, tuple(contest), ties, tuple(screened), nominal, share, fidelity, following, metric)
 
@@ -148,13 +146,15 @@ def _simpler(contest: Sequence[Judged]) -> list[Candidate]:
     return found
 
 
-def _combine(contest: list[Judged], without: Sequence[str], tell: Callable[[str], None]) -> list[Judged]:
+def _combine(contest: list[Judged], size: int, without: Sequence[str], tell: Callable[[str], None]) -> list[Judged]:
     """Forward: partners for the leaders, by screening again about the machine that each leader makes."""
     pairs: dict[tuple, Candidate] = {}
-    for leader in contest[:LEADERS]:
+    for leader in [judged for judged in contest if len(judged.fit.effects) == size - 1][:LEADERS]:
         tell(f"screening beside {leader.label}")
         found, metric = leader.fit, leader.metric
-        signatures = Signatures(metric, everywhere(without), spectral_lines(metric, found.residual), found.effects)
+        signatures = Signatures(
+            metric, everywhere(metric.campaign.subject, without), spectral_lines(metric, found.residual), found.effects
+        )
         raw = metric.residual(*metric.predict([found.effects]))
         for partner in signatures.rank(raw, found.jacobian)[:SECONDS]:
             pair = Candidate((*found.effects, *partner.candidate.effects))
@@ -184,21 +184,43 @@ def _polish(judged: Judged) -> Judged:
 
 
 def choose(contest: Sequence[Judged], before: float) -> Judged | None:
-    """The best single cause, with as few knobs as do, or the best pair where both of its members are worth it."""
+    """The best single cause, with as few knobs as do, or more of them where each is worth it."""
     useful = [j for j in contest if before**2 - j.held_out**2 > SMALLEST]
     singles = [j for j in useful if len(j.fit.effects) == 1]
-    pairs = [j for j in useful if len(j.fit.effects) == 2]
     best = min(singles, key=lambda j: j.held_out, default=None)
-    for judged in singles:
-        if best and _nested(judged, best) and judged.held_out**2 - best.held_out**2 < SECOND * before**2:
-            best = judged
-    for pair in sorted(pairs, key=lambda j: j.held_out):
-        members = [j for j in contest if set(j.fit.candidate.places) < set(pair.fit.candidate.places)]
+    best = _simplest(best, singles, before)
+    for size in range(2, 1 + max((len(j.fit.effects) for j in useful), default=0)):
+        best = _with_more(best, [j for j in useful if len(j.fit.effects) == size], contest, before)
+    return best
+
+
+def _with_more(
+    best: Judged | None, larger: Sequence[Judged], contest: Sequence[Judged], before: float
+) -> Judged | None:
+    """The best explanation with one more cause, where it closes its share of what is left, or the best so far."""
+    for judged in sorted(larger, key=lambda j: j.held_out):
+        members = [j for j in contest if set(j.fit.candidate.places) < set(judged.fit.candidate.places)]
         alone = min([before, *(j.held_out for j in members), *([best.held_out] if best else [])])
-        gain = alone**2 - pair.held_out**2
-        enough = gain > SMALLEST + SECOND * (before**2 - alone**2)
-        if enough and alone - pair.held_out > HALF * (alone - 1):
-            return pair
+        gain = alone**2 - judged.held_out**2
+        subject = judged.metric.campaign.subject
+        enough = gain > SMALLEST + subject.spill * (before**2 - alone**2)
+        if enough and alone - judged.held_out > subject.worth * (alone - 1):
+            return _simplest(judged, larger, before)
+    return best
+
+
+def _simplest(best: Judged | None, rivals: Sequence[Judged], before: float) -> Judged | None:
+    """The same causes with fewer knobs, where the others do not close their share of what those leave."""
+    for judged in rivals:
+        if best and _nested(judged, best):
+            subject = judged.metric.campaign.subject
+            loss = judged.held_out**2 - best.held_out**2
+            share = subject.worth * (judged.held_out - 1)
+            same = [e.id for e in judged.fit.effects] == [e.id for e in best.fit.effects]
+            if same and subject.spill:
+                best = judged if loss < subject.spill * before**2 else best
+            elif loss < SMALLEST or judged.held_out - best.held_out < share:
+                best = judged
     return best
 
 
@@ -213,7 +235,9 @@ def _ties(metric: Metric, best: Judged, other: Judged, before: float) -> bool:
 
 
 def _nested(best: Judged, other: Judged) -> bool:
-    """Whether the rival is the same effect with more freedom."""
-    return [e.id for e in best.fit.effects] == [e.id for e in other.fit.effects] and len(other.fit.coordinates) > len(
-        best.fit.coordinates
+    """Whether the rival is the same effects, or what has them as special cases, with more freedom."""
+    pairs = list(zip(best.fit.effects, other.fit.effects))
+    alike = len(best.fit.effects) == len(other.fit.effects) and all(
+        a.id == b.id or a.id in b.special_cases for a, b in pairs
     )
+    return alike and len(other.fit.coordinates) > len(best.fit.coordinates)

@@ -1,7 +1,7 @@
 """Judging a fit on entries that it has not seen, and how sure of it one can be.
 
 The gap is the root mean square of the whitened residual: 1 is the floor of noise and model error. Samples are
-correlated, so that every interval comes from windows of WINDOW seconds that are resampled or summed whole.
+correlated, so that every interval comes from windows of some seconds that are resampled or summed whole.
 """
 
 from dataclasses import dataclass, replace
@@ -12,7 +12,6 @@ from boom_mj.gap.fit import Fit
 from boom_mj.gap.metric import Metric
 
 Array = np.ndarray
-WINDOW = 5.0  # s
 DRAWS = 400
 
 
@@ -72,9 +71,9 @@ def deviations(metric: Metric, found: Fit) -> Array:
 
 def window_numbers(metric: Metric) -> Array:
     """Number of the window of every entry, across recordings, (N,)."""
-    campaign = metric.campaign
-    per_recording = int(max(campaign.time) // WINDOW) + 1
-    return (campaign.recording_of * per_recording + campaign.time // WINDOW).astype(int)
+    campaign, window = metric.campaign, metric.campaign.subject.window
+    per_recording = int(max(campaign.time) // window) + 1
+    return (campaign.recording_of * per_recording + campaign.time // window).astype(int)
 
 
 @dataclass(frozen=True)

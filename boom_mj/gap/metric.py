@@ -1,9 +1,9 @@
 """What counts as a difference: noise, the model's own error, and nuisances that no one calls a cause.
 
-Residuals are whitened by v = noise^2 + spread^2. The spread is what refining the model's hinges still changes; the mean
-of that change is taken out by Richardson extrapolation. Nuisances are linear columns b_i with prior deviations s_i:
-joint zero offsets, and tolerances of viscous friction, pressure gain, stiffness, mass and damping as every healthy
-machine has them. They are estimated on the training entries and removed everywhere, so that with B = [b_i s_i] whitened
+Residuals are whitened by v = noise^2 + spread^2. The spread is what refining the model still changes; the mean
+of that change is taken out by Richardson extrapolation. Nuisances are linear columns b_i with prior deviations s_i, the
+tolerances of the subject: zero offsets, initial states, what varies between healthy machines. They are estimated on the
+training entries and removed everywhere, so that with B = [b_i s_i] whitened
 
     <x, y> = x^T y - x^T B (1 + B^T B)^-1 B^T y        (sums over training entries)
 
@@ -19,54 +19,13 @@ from scipy.linalg import cholesky, solve_triangular
 from scipy.ndimage import maximum_filter1d
 from scipy.optimize import lsq_linear
 
-from boom_mj.effects import Effect, make_effect
-from boom_mj.gap.campaign import COARSE, FINE, HINGES, Campaign, Hypothesis
+from boom_mj.gap.campaign import Campaign
+from boom_mj.gap.subject import Hypothesis, Tolerance
 
 Array = np.ndarray
 LIMIT = 2.5  # prior deviations: what goes further is no tolerance but a cause
-ORDER = 2  # of convergence in the number of hinges
 LEFT = 0.5  # share of the extrapolated change that may be wrong
 REACH = 5  # blocks over which the spread is carried, for phase
-STIFFNESS = {"v": 0.005, "w": 0.005, "torsion": 0.01}  # of all links
-MASS, DAMPING = 0.003, 0.05  # of a link, of all of them
-GAIN = 0.002  # of a pressure sensor
-VISCOUS = 0.5  # of the machine file's, that may be missing or too much
-ZERO_OFFSET, OFFSET_STEP = np.radians(0.6), 0.005  # rad: prior of a joint's zero offset, step of its secant
-
-
-@dataclass(frozen=True)
-class Tolerance:
-    """A nuisance: the hypothesis whose effect is its column, and its prior deviation in units of that hypothesis.
-
-    Attributes:
-        still: whether its column hardly depends on how the boom swings.
-    """
-
-    hypothesis: tuple[Effect, ...]
-    deviation: float
-    still: bool = False
-
-
-def tolerances() -> tuple[Tolerance, ...]:
-    """What differs between healthy machines, all of it small."""
-    found = [
-        Tolerance(
-            (make_effect("joint_zero_offset", {f"joint{k}": OFFSET_STEP}),), ZERO_OFFSET / OFFSET_STEP, still=True
-        )
-        for k in range(1, 6)
-    ]
-    for number in (2, 3):
-        slippery = make_effect("viscous_friction", {"joint": number, "factor": 0.0})
-        found.append(Tolerance((slippery,), VISCOUS, still=True))
-    for number in (2, 3):
-        reading = make_effect("pressure_scale", {"cylinder": number, "factor": 1.01})
-        found.append(Tolerance((reading,), GAIN / 0.01, still=True))
-    for axis, deviation in STIFFNESS.items():
-        softer = [make_effect("link_stiffness", {"link": k, "axis": axis, "factor": 0.99}) for k in (2, 3, 4, 5)]
-        found.append(Tolerance(tuple(softer), deviation / 0.01))
-    for link in (2, 3, 4, 5):
-        found.append(Tolerance((make_effect("link_mass", {"link": link, "factor": 1.01}),), MASS / 0.01))
-    return (*found, Tolerance((make_effect("structural_damping", {"factor": 1.1}),), DAMPING / 0.1))
 
 
 @dataclass(frozen=True)
@@ -76,8 +35,8 @@ class Metric:
     Attributes:
         campaign: what is measured.
         effects: of the machine about which all this is taken.
-        base: prediction of its simulation with HINGES, (N,).
-        mean_error: what finer hinges would add to it, (N,).
+        base: prediction of its simulation at the middle level, (N,).
+        mean_error: what a finer model would add to it, (N,).
         weight: 1 / sqrt(v), 0 where nothing was measured, (N,).
         basis: whitened nuisance columns times their prior deviations, (N, m).
         nuisances: what they are.
@@ -95,7 +54,9 @@ class Metric:
 
     def predict(self, hypotheses: Sequence[Hypothesis], training_only: bool = False) -> list[Array]:
         """Predictions of hypotheses, (N,) each: the base, and what a coarse model says that they change in it."""
-        own, *found = self.campaign.predict([self.effects, *hypotheses], COARSE, training_only)
+        own, *found = self.campaign.predict(
+            [self.effects, *hypotheses], self.campaign.subject.fidelity.coarse, training_only
+        )
         return [self.base + (other - own) for other in found]
 
     def white(self, vector: Array) -> Array:
@@ -107,6 +68,8 @@ class Metric:
 
     def estimate(self, white: Array) -> Array:
         """Nuisances that whitened training entries ask for, in units of their prior deviation, within +-LIMIT, (m,)."""
+        if not self.nuisances:
+            return np.zeros(0)
         slope = self.basis[self.campaign.train].T @ white[self.campaign.train]
         root = cholesky(self.curvature)  # upper: |root x - root^-T slope|^2 is what x minimises
         return lsq_linear(root, solve_triangular(root, slope, trans="T"), (-LIMIT, LIMIT)).x
@@ -132,34 +95,40 @@ class Metric:
 
 def make_metric(campaign: Campaign) -> Metric:
     """Simulate the healthy machine at several fidelities and with every tolerance."""
-    nuisances = tolerances()
-    coarse, *shifted = campaign.predict([(), *(t.hypothesis for t in nuisances)], COARSE)
+    nuisances, level = campaign.subject.tolerances(), campaign.subject.fidelity.coarse
+    coarse, *shifted = campaign.predict([(), *(t.hypothesis for t in nuisances)], level)
     return _weigh(campaign, (), [(s - coarse) * t.deviation for s, t in zip(shifted, nuisances)])
 
 
 def anchored(metric: Metric, effects: Hypothesis) -> Metric:
     """The metric with the base of a machine that has effects; weights and nuisances stay."""
-    return replace(metric, effects=effects, base=metric.campaign.predict([effects], HINGES)[0])
+    return replace(
+        metric, effects=effects, base=metric.campaign.predict([effects], metric.campaign.subject.fidelity.middle)[0]
+    )
 
 
 def around(metric: Metric, effects: Hypothesis) -> Metric:
     """The metric of a machine that has effects: a heavier boom swings slower, with its nuisances and model error."""
     campaign, moving = metric.campaign, [t for t in metric.nuisances if not t.still]
-    base, *shifted = campaign.predict([effects, *((*effects, *t.hypothesis) for t in moving)], COARSE)
+    hypotheses = [effects, *((*effects, *t.hypothesis) for t in moving)]
+    base, *shifted = campaign.predict(hypotheses, campaign.subject.fidelity.coarse)
     found = iter([(prediction - base) * t.deviation for prediction, t in zip(shifted, moving)])
     kept = metric.basis / np.where(metric.weight > 0, metric.weight, 1)[:, None]
     return _weigh(campaign, effects, [c if t.still else next(found) for c, t in zip(kept.T, metric.nuisances)])
 
 
 def _weigh(campaign: Campaign, effects: Hypothesis, columns: Sequence[Array]) -> Metric:
-    fine, base = (campaign.predict([effects], n)[0] for n in (FINE, HINGES))
-    refinement = (fine - base) / (1 - (HINGES / FINE) ** ORDER)
+    fidelity = campaign.subject.fidelity
+    fine, base = (campaign.predict([effects], level)[0] for level in (fidelity.fine, fidelity.middle))
+    refinement = (fine - base) / fidelity.shrunk
     variance = campaign.noise**2 + (LEFT * _carried(campaign, np.abs(refinement))) ** 2
     weight = np.where(campaign.used, 1 / np.sqrt(np.where(campaign.used, variance, 1.0)), 0.0)
-    basis = np.stack([np.nan_to_num(column) * weight for column in columns], axis=1)
+    basis = np.zeros((len(weight), 0))
+    if columns:
+        basis = np.stack([np.nan_to_num(column) * weight for column in columns], axis=1)
     train = campaign.train
     curvature = np.eye(len(columns)) + basis[train].T @ basis[train]
-    return Metric(campaign, effects, base, refinement, weight, basis, tolerances(), curvature)
+    return Metric(campaign, effects, base, refinement, weight, basis, campaign.subject.tolerances(), curvature)
 
 
 def _carried(campaign: Campaign, size: Array) -> Array:

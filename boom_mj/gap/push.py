@@ -9,16 +9,18 @@ means nothing. A cylinder says itself what force it lacks.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
-from boom_mj.gap.campaign import BLOCK
-from boom_mj.gap.metric import Metric
-from boom_mj.sensors import driving_angles
+from boom_mj.gap.subject import Push
+from boom_mj.machine import Machine
 from boom_mj.simulation import Plant, make_plant
+
+if TYPE_CHECKING:
+    from boom_mj.gap.metric import Metric
 
 Array = np.ndarray
 PRIOR = 0.05  # rad, deviation of a hinge
@@ -27,44 +29,23 @@ POSE = 20  # blocks for which a pose keeps its matrices
 TOLD = 0.7  # of the prior deviation: what is no better known tells nothing
 
 
-@dataclass(frozen=True)
-class Push:
-    """A residual force, root mean square over all recordings.
-
-    Attributes:
-        part: link2..link5, cylinder2 or cylinder3.
-        direction: v, w or torsion of a link, force of a cylinder.
-        force: N m on a hinge, N in a cylinder.
-        ratio: to what noise and model error alone would ask for.
-    """
-
-    part: str
-    direction: str
-    force: float
-    unit: str
-    ratio: float
-
-
-def pushes(metric: Metric, residual: Array) -> tuple[Push, ...]:
+def pushes(machine: Machine, metric: "Metric", residual: Array) -> tuple[Push, ...]:
     """Forces that a whitened residual (N,) asks for, largest ratio first, but for those of which no marker tells."""
-    found = [*_of_cylinders(metric, residual), *_of_hinges(metric, residual)]
+    found = [*_of_cylinders(metric, residual), *_of_hinges(make_plant(machine, 1), metric, residual)]
     return tuple(sorted(found, key=lambda push: -push.ratio))
 
 
-def _of_cylinders(metric: Metric, residual: Array) -> Iterator[Push]:
+def _of_cylinders(metric: "Metric", residual: Array) -> Iterator[Push]:
     channels = metric.campaign.channels
     for part in sorted({channel.group for channel in channels if channel.signal == "cylinder/force"}):
-        rows = metric.campaign.spread([channel.group == part for channel in channels]).astype(bool) & (
-            metric.weight > 0
-        )
-        force, ratio = (
-            float(np.sqrt(np.mean(v[rows] ** 2))) for v in (residual / np.maximum(metric.weight, 1e-300), residual)
-        )
-        yield Push(part, "force", force, "N", ratio)
+        own = metric.campaign.spread([channel.group == part for channel in channels]).astype(bool)
+        rows = own & (metric.weight > 0)
+        lacking, ratio = (np.sqrt(np.mean(v**2)) for v in (residual[rows] / metric.weight[rows], residual[rows]))
+        yield Push(part, "force", float(lacking), "N", float(ratio))
 
 
-def _of_hinges(metric: Metric, residual: Array) -> Iterator[Push]:
-    campaign, plant = metric.campaign, make_plant(metric.campaign.machine, 1)
+def _of_hinges(plant: Plant, metric: "Metric", residual: Array) -> Iterator[Push]:
+    campaign = metric.campaign
     noise = np.random.default_rng(0).standard_normal(len(residual))
     power, seen = np.zeros((2, len(plant.elastic))), np.zeros(len(plant.elastic))
     for index in range(len(campaign.recordings)):
@@ -72,7 +53,8 @@ def _of_hinges(metric: Metric, residual: Array) -> Iterator[Push]:
         if own:
             cut = [campaign.stretch(k) for k in own]
             weight, *white = (np.stack([v[s] for s in cut], axis=1) for v in (metric.weight, residual, noise))
-            forces, told = _forces(plant, _poses(metric, index, len(weight)), weight, np.stack(white))
+            poses = campaign.subject.motion(campaign.recordings[index], campaign.channels[own[0]].time)
+            forces, told = _forces(plant, poses, weight, np.stack(white), campaign.subject.block)
             power += np.where(told, (forces**2).sum(axis=1), 0.0)
             seen += told * len(weight)
     for k in np.flatnonzero(seen):
@@ -81,14 +63,7 @@ def _of_hinges(metric: Metric, residual: Array) -> Iterator[Push]:
         yield Push(link, axis, float(force), "N m", float(ratio))
 
 
-def _poses(metric: Metric, index: int, blocks: int) -> Array:
-    """Joint angles in the middle of every block of a recording, (blocks, 5), rad."""
-    log = metric.campaign.recordings[index]
-    time = log["joint/position"].time[0] + BLOCK * (np.arange(blocks) + 0.5)
-    return driving_angles(log, metric.campaign.levels["joint/position"][0], time)
-
-
-def _forces(plant: Plant, poses: Array, weight: Array, white: Array) -> tuple[Array, Array]:
+def _forces(plant: Plant, poses: Array, weight: Array, white: Array, block: float) -> tuple[Array, Array]:
     """Forces (2, n, 12) on every hinge for two whitened residuals (2, n, 36) at poses (n, 5); which are told, (12,)."""
     hinges = np.zeros((*white.shape[:2], len(plant.elastic)))
     told = np.zeros(len(plant.elastic), bool)
@@ -100,8 +75,8 @@ def _forces(plant: Plant, poses: Array, weight: Array, white: Array) -> tuple[Ar
         covariance = np.linalg.inv(felt.T @ felt + np.eye(len(plant.elastic)) / PRIOR**2)
         told |= np.sqrt(np.diag(covariance)) < TOLD * PRIOR
         hinges[:, k] = white[:, k] * (weight[k] > 0) @ felt @ covariance
-    smooth = gaussian_filter1d(hinges, SMOOTH / BLOCK, axis=1, mode="nearest")
-    bent = np.gradient(np.gradient(smooth, BLOCK, axis=1), BLOCK, axis=1)
+    smooth = gaussian_filter1d(hinges, SMOOTH / block, axis=1, mode="nearest")
+    bent = np.gradient(np.gradient(smooth, block, axis=1), block, axis=1)
     forces = np.empty_like(smooth)
     for number, (_, inertia, stiffness) in enumerate(matrices):
         part = np.s_[:, number * POSE : (number + 1) * POSE]

@@ -1,7 +1,7 @@
 """Screening: which candidates are worth a fit, by the sensitivity of the simulated recordings to them.
 
-For the probes of a candidate the columns J = f(probe) - f(0) are simulated with few hinges; in the inner product of the
-metric the best weights are w = (J^T J + 1 / W^2)^-1 J^T r, and they explain the share J^T r . w / <r, r> of the
+For the probes of a candidate the columns J = f(probe) - f(0) are simulated at the coarse level; in the inner product of
+the metric the best weights are w = (J^T J + 1 / W^2)^-1 J^T r, and they explain the share J^T r . w / <r, r> of the
 training misfit. All candidates go in one batch.
 """
 
@@ -11,10 +11,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from boom_mj.effects import AngleEffect, Effect
-from boom_mj.gap.campaign import COARSE
+from boom_mj.effects import Effect
+from boom_mj.effects.effect import Location
 from boom_mj.gap.candidate import Candidate
-from boom_mj.gap.metric import OFFSET_STEP, Metric
+from boom_mj.gap.metric import Metric
 
 Array = np.ndarray
 WIDEST = 10.0  # prior deviation of a probe's weight
@@ -47,33 +47,20 @@ class Signatures:
         given: tuple[Effect, ...] = (),
     ):
         self.metric = metric
-        taken = {(effect.id, tuple(effect.location.items())) for effect in given}
-        free = [(kind, place) for kind, place in kinds if (kind.id, tuple(place.items())) not in taken]
+        taken = {cause for effect in given for cause in _causes(type(effect), effect.location)}
+        free = [(kind, place) for kind, place in kinds if not taken & _causes(kind, place)]
         self.rows = [(kind, place, group) for kind, place in free for group in kind.probes(place, lines) if group]
-        campaign = metric.campaign
+        campaign, subject = metric.campaign, metric.campaign.subject
         probes = [kind(place, **probe) for kind, place, group in self.rows for probe in group]
-        model = [probe for probe in probes if not isinstance(probe, AngleEffect)]
-        base, *found = campaign.predict([given, *((*given, probe) for probe in model)], COARSE, training_only=True)
-        columns = {probe: metric.white(f - base) for probe, f in zip(model, found)}
-        for probe in probes:
-            if isinstance(probe, AngleEffect):
-                columns[probe] = self._kinematic(probe)
+        columns = {p: column for p in probes if (column := subject.shortcut(p, metric)) is not None}
+        model = [probe for probe in probes if probe not in columns]
+        hypotheses = [given, *((*given, probe) for probe in model)]
+        base, *found = campaign.predict(hypotheses, subject.fidelity.coarse, training_only=True)
+        columns |= {probe: metric.white(f - base) for probe, f in zip(model, found)}
         train = campaign.train
         self.columns = np.stack([columns[probe][train] for probe in probes], axis=1).astype(np.float32)  # (training, c)
         ends = np.cumsum([0, *(len(group) for _, _, group in self.rows)])
         self.stretches = [slice(start, stop) for start, stop in pairwise(ends)]
-
-    def _kinematic(self, probe: AngleEffect) -> Array:
-        """An angle error moves the boom as a zero offset of its size at that moment would."""
-        campaign, column = self.metric.campaign, np.zeros(len(self.metric.base))
-        for index, log in enumerate(campaign.recordings):
-            joints, rows = log["joint/position"], campaign.recording_of == index
-            errors = probe.error(joints.values)
-            for joint in np.flatnonzero(np.abs(errors).max(axis=0)):
-                at = np.interp(campaign.time[rows] + joints.time[0], joints.time, errors[:, joint])
-                deviation = self.metric.nuisances[joint].deviation
-                column[rows] += self.metric.basis[rows, joint] / deviation * at / OFFSET_STEP
-        return column
 
     def rank(self, residual: Array, given: Array | None = None) -> list[Screened]:
         """Candidates by the share of a whitened residual that they may explain, best first, each at its best probe.
@@ -105,12 +92,17 @@ class Signatures:
         return sorted(best.values(), key=lambda s: -s.share)
 
 
+def _causes(kind: type[Effect], place: Location) -> set[tuple]:
+    """What an effect is at a place, its special cases too: of two that share one, the data cannot tell the sizes."""
+    return {(name, tuple(place.items())) for name in (kind.id, *kind.special_cases)}
+
+
 def spectral_lines(metric: Metric, residual: Array, count: int = LINES) -> list[float]:
-    """Frequencies (Hz) that stand out of the whitened accelerations at the tip in every training recording."""
+    """Frequencies (Hz) that stand out of the whitened channels that listen, in every training recording."""
     campaign, total = metric.campaign, None
     grid = np.arange(0.1, 3.0, 0.005)
     for number, channel in enumerate(campaign.channels):
-        if channel.signal == "imu/link5/specific_force" and channel.recording < campaign.training:
+        if channel.signal == campaign.subject.listening and channel.recording < campaign.training:
             part = residual[campaign.stretch(number)]
             part = part - part.mean()
             phase = np.exp(-2j * np.pi * grid[:, None] * channel.time[None, :])

@@ -5,20 +5,16 @@ the known load. Shares are of the whole squared residual, whitened, and sum to o
 """
 
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from boom_mj.gap.campaign import BLOCK, Campaign
-from boom_mj.sensors import driving_angles, sample
+from boom_mj.gap.campaign import Campaign
+from boom_mj.gap.subject import Band
 
 Array = np.ndarray
-BANDS = (("static", 0.2), ("first mode", 0.8), ("second mode", 2.5), ("above", np.inf))  # upper edge, Hz
-MOVING = 1e-3  # rad/s
-SHORT = 1.0  # s, of a start and around a reversal
 PLAIN = 0.2  # share of a residual that a look must take
-AFTER = 12.0  # s, how long a stop is remembered
 
 
 @dataclass(frozen=True)
@@ -46,13 +42,14 @@ def locate(campaign: Campaign, residual: Array) -> tuple[Cell, ...]:
     """All cells of a whitened residual (N,), largest first."""
     power: dict[tuple[str, ...], float] = defaultdict(float)
     count: dict[tuple[str, ...], float] = defaultdict(float)
-    phases = [phase_of(campaign, index) for index in range(len(campaign.recordings))]
+    subject = campaign.subject
+    phases = [subject.phases(log) for log in campaign.recordings]
     for number, channel in enumerate(campaign.channels):
         series = residual[campaign.stretch(number)]
         when = phases[channel.recording]
-        names = np.array([when[min(int(t / BLOCK), len(when) - 1)] for t in channel.time])
-        place = sensor_place(channel.group)
-        for band, part in bands(series):
+        names = np.array([when[min(int(t / subject.block), len(when) - 1)] for t in channel.time])
+        place = subject.place(channel.group)
+        for band, part in bands(series, subject.bands, subject.block):
             for phase in np.unique(names):
                 inside = names == phase
                 power[(*place, band, phase)] += float(part[inside] @ part[inside])
@@ -73,51 +70,15 @@ def shares(cells: Iterable[Cell], *axes: str) -> dict[tuple[str, ...], float]:
     return dict(sorted(found.items(), key=lambda item: -item[1]))
 
 
-def bands(series: Array) -> list[tuple[str, Array]]:
+def bands(series: Array, edges: Sequence[Band], step: float) -> list[tuple[str, Array]]:
     """The series' parts in each band, which add up to it."""
-    spectrum, frequency = np.fft.rfft(series), np.fft.rfftfreq(len(series), BLOCK)
+    spectrum, frequency = np.fft.rfft(series), np.fft.rfftfreq(len(series), step)
     parts, low = [], -1.0
-    for name, high in BANDS:
+    for name, high in edges:
         inside = (frequency > low) & (frequency <= high)
         parts.append((name, np.fft.irfft(np.where(inside, spectrum, 0), len(series))))
         low = high
     return parts
-
-
-def sensor_place(group: str) -> tuple[str, str, str]:
-    """Sensor, link and direction of a channel group."""
-    if group.startswith("imu/"):
-        _, link, kind, direction = group.split("/")
-        return {"specific_force": "accelerometer", "angular_rate": "gyroscope"}[kind], link, direction
-    if group.startswith("markers/"):
-        _, link, direction = group.split("/")
-        return "marker", link, direction
-    return "cylinder", "link" + group[-1], "force"
-
-
-def phase_of(campaign: Campaign, index: int) -> Array:
-    """What happens in every block of a recording: hold, start, slew, move, reversal, after motion, after release."""
-    log = campaign.recordings[index]
-    joints = log["joint/position"]
-    time = np.arange(0, campaign.duration(index) + BLOCK, BLOCK) + BLOCK / 2
-    angles = driving_angles(log, campaign.levels["joint/position"][0], time + joints.time[0])
-    rate = np.gradient(angles, BLOCK, axis=0)
-    moving = np.abs(rate) > MOVING
-    names = np.full(len(time), "hold", dtype="<U14")
-    load = sample(log["load"], time + joints.time[0]) if "load" in log else np.zeros((len(time), 3))
-    dropped = np.flatnonzero(np.linalg.norm(np.diff(load, axis=0), axis=1) > 1.0)
-    if dropped.size:
-        names[dropped[0] :] = "after release"
-    any_moving = moving.any(axis=1)
-    for stop in np.flatnonzero(any_moving[:-1] & ~any_moving[1:]):
-        names[stop : stop + int(AFTER / BLOCK)] = "after motion"
-    names[any_moving] = np.where(moving[any_moving, 0], "slew", "move")
-    for start in np.flatnonzero(~any_moving[:-1] & any_moving[1:]):
-        names[start : start + int(SHORT / BLOCK)] = "start"
-    turned = np.flatnonzero((rate[:-1] * rate[1:] < 0).any(axis=1) & any_moving[1:])
-    for turn in turned:
-        names[max(0, turn - int(SHORT / BLOCK / 2)) : turn + int(SHORT / BLOCK / 2)] = "reversal"
-    return names
 
 
 def in_words(cells: tuple[Cell, ...]) -> str:
@@ -133,7 +94,7 @@ def in_words(cells: tuple[Cell, ...]) -> str:
 def looks(campaign: Campaign, residual: Array) -> str:
     """What an unexplained residual looks like, by the regressor that takes most of it."""
     scores = {"periodic": 0.0, "odd in velocity": 0.0, "drifting": 0.0, "pose dependent": 0.0, "one-sided": 0.0}
-    total = float(residual @ residual) + 1e-300
+    subject, total = campaign.subject, float(residual @ residual) + 1e-300
     means: dict[tuple[str, int], list[float]] = defaultdict(list)
     for number, channel in enumerate(campaign.channels):
         series = residual[campaign.stretch(number)]
@@ -149,12 +110,8 @@ def looks(campaign: Campaign, residual: Array) -> str:
         scores["periodic"] += (
             spectrum[max(1, peak - 1) : peak + 2].sum() / (spectrum.sum() + 1e-300) * (free @ free / total)
         )
-        log = campaign.recordings[channel.recording]
-        joints = log["joint/position"]
-        angles = np.stack(
-            [np.interp(channel.time, joints.time - joints.time[0], column) for column in joints.values.T], axis=1
-        )
-        signs = np.sign(np.where(np.abs(rate := np.gradient(angles, channel.time, axis=0)) > 5 * MOVING, rate, 0.0))
+        rate = np.gradient(subject.motion(campaign.recordings[channel.recording], channel.time), channel.time, axis=0)
+        signs = np.sign(np.where(np.abs(rate) > 5 * subject.still, rate, 0.0))
         best = max((float(free @ s) ** 2 / float(s @ s) for s in signs.T if s @ s > 10), default=0.0)
         scores["odd in velocity"] += best / total
         skew = float(np.mean(free**3) / (np.mean(free**2) ** 1.5 + 1e-300))

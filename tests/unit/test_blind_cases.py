@@ -20,7 +20,7 @@ from boom_mj.gap.blind.drawing import NUISANCE, draw, orders
 from boom_mj.gap.blind.running import spread
 from boom_mj.gap.blind.strangers import STRANGERS
 from boom_mj.gap.blind.truth import HINGES, true_plant
-from boom_mj.gap.campaign import FINE
+from boom_mj.gap.boom import FINE
 from boom_mj.machine import load_machine
 from boom_mj.mjcf import build
 

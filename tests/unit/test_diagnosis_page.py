@@ -11,10 +11,11 @@ import pytest
 
 from boom_mj.effects import make_effect
 from boom_mj.gap import Campaign, Diagnosis
+from boom_mj.gap.boom import tolerances
 from boom_mj.gap.candidate import Candidate
 from boom_mj.gap.fit import Fit
 from boom_mj.gap.judge import Judged, closure, gap
-from boom_mj.gap.metric import Metric, tolerances
+from boom_mj.gap.metric import Metric
 from boom_mj.gap.screen import Screened
 from boom_mj.logs import read_log
 from boom_mj.machine import load_machine

@@ -10,8 +10,8 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
+from boom_mj.gap.boom import sensor_place
 from boom_mj.gap.campaign import Channel
-from boom_mj.gap.where import sensor_place
 from boom_mj.report.colours import CORRECTED, FAINT, MEASURED, QUIET
 from boom_mj.report.diagnosis.drawing import HEAT, draw, gap_ticks
 from boom_mj.report.diagnosis.geometry import Side, place_of, side_view
@@ -36,7 +36,7 @@ class Sensed:
 def section(view: View) -> Section:
     index = worst_recording(view)
     angles = view.campaign.recordings[index]["joint/position"].values[0]
-    side = side_view(view.campaign.machine, angles)
+    side = side_view(view.machine, angles)
     states = sensed(view)
     rings = named_places(view, side)
     heights = [points[:, 1] for points in (*side.outlines, TRUCK)]

@@ -6,7 +6,7 @@ import numpy as np
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from boom_mj.gap.where import sensor_place
+from boom_mj.gap.boom import sensor_place
 from boom_mj.report.colours import CORRECTED, FAINT, NOMINAL
 from boom_mj.report.diagnosis.drawing import draw, gap_axis
 from boom_mj.report.diagnosis.heat import ORDER

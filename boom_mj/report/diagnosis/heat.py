@@ -7,13 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.colors import to_hex
 
-from boom_mj.gap.where import BANDS, Cell
+from boom_mj.gap.boom import Boom
+from boom_mj.gap.where import Cell
 from boom_mj.report.diagnosis.drawing import HEAT
 from boom_mj.report.diagnosis.view import SENSORS
 
 ORDER = {
     "direction": ("x", "y", "z", "force"),
-    "band": tuple(name for name, _ in BANDS),
+    "band": tuple(name for name, _ in Boom.bands),
     "phase": ("hold", "start", "move", "slew", "reversal", "after motion", "after release"),
 }
 

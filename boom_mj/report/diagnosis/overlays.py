@@ -7,7 +7,7 @@ import numpy as np
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from boom_mj.gap.where import sensor_place
+from boom_mj.gap.boom import sensor_place
 from boom_mj.report.colours import CORRECTED, FAINT, MEASURED, NOMINAL, QUIET
 from boom_mj.report.diagnosis.drawing import draw, envelope
 from boom_mj.report.diagnosis.section import Section

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from boom_mj.gap import Campaign, Diagnosis
-from boom_mj.gap.campaign import BLOCK
+from boom_mj.gap.boom import Boom, sensor_place
 from boom_mj.gap.metric import Metric
-from boom_mj.gap.where import Cell, locate, phase_of, sensor_place
+from boom_mj.gap.where import Cell, locate
+from boom_mj.machine import Machine
 
 Array = np.ndarray
 SENSORS = ("accelerometer", "gyroscope", "marker", "cylinder")
@@ -42,6 +43,12 @@ class View:
     @property
     def campaign(self) -> Campaign:
         return self.found.metric.campaign
+
+    @property
+    def machine(self) -> Machine:
+        """The boom's."""
+        assert isinstance(self.campaign.subject, Boom), "the page draws booms"
+        return self.campaign.subject.machine
 
     @property
     def corrected(self) -> bool:
@@ -126,9 +133,9 @@ class View:
     def phases(self) -> Array:
         """What happens at every entry, (N,) of str."""
         campaign = self.campaign
-        of = [phase_of(campaign, index) for index in range(len(campaign.recordings))]
+        of = [campaign.subject.phases(log) for log in campaign.recordings]
         parts = [
-            of[c.recording][np.minimum((c.time / BLOCK).astype(int), len(of[c.recording]) - 1)]
+            of[c.recording][np.minimum((c.time / campaign.subject.block).astype(int), len(of[c.recording]) - 1)]
             for c in campaign.channels
         ]
         return np.concatenate(parts)

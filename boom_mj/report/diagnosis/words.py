@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from boom_mj.effects.effect import effect_library
-from boom_mj.gap.where import sensor_place
+from boom_mj.gap.boom import sensor_place
 
 MINUS, DASH, SPACE = "\N{MINUS SIGN}", "\N{EN DASH}", "\N{NO-BREAK SPACE}"
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

@@ -1,0 +1,1 @@
+"""Effects of any MJCF machine, one file each; a file here is registered by being here."""

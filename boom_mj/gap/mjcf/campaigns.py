@@ -1,0 +1,49 @@
+"""From files to a campaign of an MJCF machine, and from its diagnosis to a corrected file."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import mujoco
+
+from boom_mj.errors import InputError
+from boom_mj.gap.campaign import Campaign
+from boom_mj.gap.diagnose import Diagnosis
+from boom_mj.gap.mjcf.channel_map import load_channel_map
+from boom_mj.gap.mjcf.robot import Robot
+from boom_mj.gap.mjcf.stretches import noise_of, split, stretches_of
+
+
+def robot_campaign(
+    logs: Sequence[Path], held_out: Sequence[Path], map_file: Path, model_file: Path | None = None
+) -> Campaign:
+    """A campaign of an MJCF machine: logs to learn from, logs to judge by; without any, a log's end is held out.
+
+    Raises:
+        InputError: no model, or one that MuJoCo does not take.
+    """
+    channels = load_channel_map(map_file)
+    if model_file is None and not channels.model:
+        raise InputError(f"{map_file} names no model; say which with --model")
+    path = model_file or map_file.parent / channels.model
+    try:
+        spec = mujoco.MjSpec.from_file(str(path))
+        spec.copy().compile()
+    except ValueError as error:
+        raise InputError(f"{path} is no MJCF model: {error}") from error
+    learnt, judged = [], []
+    for log in logs:
+        found = stretches_of(log, channels)
+        first = len(found) if held_out else split(found, channels.train)
+        learnt += found[:first]
+        judged += found[first:]
+    for log in held_out:
+        judged += stretches_of(log, channels)
+    robot = Robot(spec, channels, learnt, noise_of(logs[0], channels))
+    return Campaign(robot, [*learnt, *judged], len(learnt))
+
+
+def corrected_model(found: Diagnosis) -> str:
+    """MJCF text with the best explanation's effects in it."""
+    robot = found.metric.campaign.subject
+    assert isinstance(robot, Robot)
+    return robot.corrected(found.best.fit.effects if found.best else ())

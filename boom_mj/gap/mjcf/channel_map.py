@@ -1,0 +1,206 @@
+"""Channel map: which field of a log is which joint, actuator or sensor of an MJCF file, and how logs are cut.
+
+A channel's value in SI is `scale * logged + offset`; `docs/any_machine.md` explains the file.
+"""
+
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, PositiveFloat, ValidationError, model_validator
+
+from boom_mj.errors import ChannelMapError
+
+Role = Literal["drive", "control", "compare"]
+Quantity = Literal["position", "velocity", "force", "command", "sensor"]
+
+
+class ChannelEntry(BaseModel):
+    """One channel.
+
+    Attributes:
+        name: as the answer calls it.
+        role: "drive": measured motion that a joint is made to follow; "control": command of an actuator; "compare":
+            what the model must say.
+        joint, actuator, sensor: what it belongs to in the MJCF file, just one of them.
+        component: of the sensor.
+        field: of the log.
+        terms: instead of a field, a sum of fields by their factors.
+        scale, offset: to SI.
+        unit: of the result.
+        relative: what counts is the difference to the value when a stretch begins.
+        limit: the logged size (before scale and offset) is cut there, as the machine's amplifier does.
+        noise: standard deviation of a sample in SI; at least what the log itself shows counts.
+        zero: standard deviation of a zero offset that is nobody's fault, in SI.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    name: str
+    role: Role
+    joint: str = ""
+    actuator: str = ""
+    sensor: str = ""
+    quantity: Quantity | None = None
+    component: int = Field(default=0, ge=0)
+    field: str = ""
+    terms: Mapping[str, FiniteFloat] = {}
+    scale: FiniteFloat = 1.0
+    offset: FiniteFloat = 0.0
+    unit: str = ""
+    relative: bool = False
+    limit: PositiveFloat | None = None
+    noise: float = Field(default=0.0, ge=0)
+    zero: float = Field(default=0.0, ge=0)
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        if sum(map(bool, (self.joint, self.actuator, self.sensor))) != 1:
+            raise ValueError(f"channel '{self.name}' needs just one of joint, actuator and sensor")
+        if bool(self.field) == bool(self.terms):
+            raise ValueError(f"channel '{self.name}' needs either a field or terms")
+        if self.role == "drive" and not self.joint:
+            raise ValueError(f"channel '{self.name}' drives: it must name a joint")
+        if self.role == "control" and not self.actuator:
+            raise ValueError(f"channel '{self.name}' controls: it must name an actuator")
+        if self.what not in self.allowed:
+            raise ValueError(
+                f"channel '{self.name}': quantity = '{self.what}' is none of {', '.join(self.allowed)} for its role"
+            )
+        return self
+
+    @property
+    def allowed(self) -> tuple[str, ...]:
+        """Quantities that go with the role and the place."""
+        if self.role == "drive":
+            return ("position",)
+        if self.role == "control":
+            return ("command",)
+        return ("sensor",) if self.sensor else ("force",) if self.actuator else ("position", "velocity")
+
+    @property
+    def what(self) -> str:
+        return self.quantity or self.allowed[0]
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        return (self.field,) if self.field else tuple(self.terms)
+
+    @property
+    def place(self) -> str:
+        return self.joint or self.actuator or self.sensor
+
+
+class Release(BaseModel):
+    """A log begins when something that was held lets go: a field leaves its value, as a falling body does.
+
+    Attributes:
+        field: that tells.
+        moves: by how much, in the log's own unit; the moment is where the root of its way, traced back, is zero.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    field: str
+    moves: PositiveFloat
+
+
+class ChannelMap(BaseModel):
+    """A machine's channels and how its logs are cut.
+
+    Attributes:
+        name: of the machine.
+        time: field of the time; `time_scale` turns it into s.
+        model: MJCF file, relative to the map; the command line may name another.
+        block: over which channels are averaged, s; a period of the cutoff if left out.
+        window: length of the stretches that are simulated afresh, s.
+        settle: beginning of a stretch that is simulated but not compared, s.
+        cutoff: of the zero-phase filter that makes driving motion smooth, Hz.
+        release: what tells that something was let go; what comes before is left out.
+        stop: what comes later is left out, s.
+        repeat: period of a motion that the logs repeat, s: what differs between passes counts as noise.
+        independent: beyond which residuals count as independent, s.
+        train: share of a log, from its start, to learn from where no other logs are held out.
+        causes: most effects that an explanation may have.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    name: str
+    time: str
+    time_scale: PositiveFloat = 1.0
+    model: str = ""
+    block: PositiveFloat | None = None
+    window: PositiveFloat = 10.0
+    settle: float = Field(default=0.0, ge=0)
+    cutoff: PositiveFloat = 10.0
+    start: float = Field(default=0.0, ge=0)
+    stop: PositiveFloat | None = None
+    release: Release | None = None
+    repeat: PositiveFloat | None = None
+    independent: PositiveFloat = 1.0
+    train: float = Field(default=0.6, gt=0, lt=1)
+    causes: int = Field(default=4, ge=1, le=8)
+    channel: tuple[ChannelEntry, ...]
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        names = [entry.name for entry in self.channel]
+        if twice := sorted({name for name in names if names.count(name) > 1}):
+            raise ValueError(f"several channels are called {', '.join(twice)}")
+        if not self.role("compare"):
+            raise ValueError('no channel has role = "compare": there is nothing to judge by')
+        if self.settle >= self.window:
+            raise ValueError(f"settle = {self.settle} s leaves nothing of window = {self.window} s")
+        return self
+
+    def role(self, role: Role) -> tuple[ChannelEntry, ...]:
+        return tuple(entry for entry in self.channel if entry.role == role)
+
+    @property
+    def block_s(self) -> float:
+        return self.block if self.block is not None else 1 / self.cutoff
+
+    @property
+    def compared_cutoff(self) -> float:
+        """Of what is compared where motion drives, Hz."""
+        return self.cutoff / 2
+
+    @property
+    def driven(self) -> tuple[str, ...]:
+        """Joints that follow their measured motion."""
+        return tuple(entry.joint for entry in self.role("drive"))
+
+
+def load_channel_map(path: Path) -> ChannelMap:
+    """Read a channel map.
+
+    Raises:
+        ChannelMapError: no such file, no TOML, or entries that are wrong; all of them are named.
+    """
+    try:
+        return parse_channel_map(path.read_text(encoding="utf-8"), str(path))
+    except (OSError, UnicodeDecodeError) as error:
+        raise ChannelMapError(f"{path} cannot be read: {error}") from error
+
+
+def parse_channel_map(text: str, name: str = "channel map") -> ChannelMap:
+    """A channel map from its text; see `load_channel_map`."""
+    try:
+        return ChannelMap(**tomllib.loads(text))
+    except tomllib.TOMLDecodeError as error:
+        raise ChannelMapError(f"{name} is no TOML: {error}") from error
+    except ValidationError as error:
+        raise ChannelMapError("\n".join(f"{name}: {_sentence(item)}" for item in error.errors())) from error
+
+
+def _sentence(item: Any) -> str:
+    place, kind = ".".join(map(str, item["loc"])), item["type"]
+    if kind == "missing":
+        return f"{place} is missing"
+    if kind == "extra_forbidden":
+        kinds = ChannelEntry if place.startswith("channel.") else ChannelMap
+        return f"{place} is an unknown key; known are {', '.join(kinds.model_fields)}"
+    message = item["msg"].removeprefix("Value error, ")
+    return f"{place} = {item['input']!r}: {message}" if place and kind != "value_error" else message

@@ -1,0 +1,178 @@
+"""What the diagnosis needs to know of a machine: what it says under a hypothesis, and what could differ in it.
+
+The method - campaign, metric, screening, contest, judgement, answer - sees a machine through `Subject` alone. A boom is
+one (`boom.py`), an MJCF file with a channel map is another (`mjcf/`).
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from boom_mj.effects import Effect
+from boom_mj.recording import Recording, Signal
+
+if TYPE_CHECKING:
+    from boom_mj.gap.metric import Metric
+
+Array = np.ndarray
+Hypothesis = tuple[Effect, ...]
+Band = tuple[str, float]  # name, upper edge in Hz
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """A nuisance: the hypothesis whose effect is its column, and its prior deviation in units of that hypothesis.
+
+    Attributes:
+        still: whether its column hardly depends on how the machine swings.
+    """
+
+    hypothesis: Hypothesis
+    deviation: float
+    still: bool = False
+
+
+@dataclass(frozen=True)
+class Fidelity:
+    """Levels of a model's fidelity, as its subject counts them (hinges, divisions of a step).
+
+    Attributes:
+        coarse: of screening and nuisances.
+        middle: of the base of all predictions.
+        fine: of the check.
+        shrunk: share of the middle level's error that going to the fine one takes away, 0 to 1.
+    """
+
+    coarse: int
+    middle: int
+    fine: int
+    shrunk: float
+
+
+@dataclass(frozen=True)
+class Push:
+    """A residual force, root mean square over all recordings.
+
+    Attributes:
+        part: such as link2 or cylinder3.
+        direction: such as v, w or torsion of a link.
+        force: in `unit`.
+        ratio: to what noise and model error alone would ask for.
+    """
+
+    part: str
+    direction: str
+    force: float
+    unit: str
+    ratio: float
+
+
+class Subject(ABC):
+    """A machine to be diagnosed.
+
+    Attributes:
+        block: over which channels are averaged, s.
+        window: beyond which residuals count as independent, s.
+        bands: frequency bands in which a gap is told, lowest first.
+        still: speed below which a coordinate of `motion` is at rest, in its unit.
+        causes: most effects that an explanation may have.
+        worth: share of the remaining gap that another effect must close.
+        spill: share of the mean square that effects took away, which their own inaccuracy may leave.
+        listening: signal in which periodic effects show as spectral lines, if there is one.
+    """
+
+    block: float
+    window: float
+    bands: tuple[Band, ...]
+    still: float
+    fidelity: Fidelity
+    causes: int
+    worth: float
+    spill: float
+    listening: ClassVar[str | None] = None
+
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """Of the machine."""
+
+    @property
+    @abstractmethod
+    def provenance(self) -> Mapping[str, Any]:
+        """What else the answer should say of how the machine was simulated."""
+
+    @abstractmethod
+    def library(self) -> list[tuple[type[Effect], dict]]:
+        """Every effect at every place that could be a cause."""
+
+    @abstractmethod
+    def tolerances(self) -> tuple[Tolerance, ...]:
+        """What differs between healthy machines, all of it small."""
+
+    @abstractmethod
+    def noise(self) -> Mapping[str, Array]:
+        """Least noise of a sample by signal, one per channel, (k,); the signals named are those compared."""
+
+    @abstractmethod
+    def clock(self, log: Recording) -> tuple[float, float]:
+        """When a recording begins and how long it lasts, s."""
+
+    @abstractmethod
+    def split(self, hypothesis: Hypothesis) -> tuple[Hypothesis, Hypothesis]:
+        """Effects that must be simulated, and those that alter simulated signals afterwards."""
+
+    @abstractmethod
+    def simulate(self, hypothesis: Hypothesis, level: int, index: int, log: Recording) -> dict[str, Signal]:
+        """Densely sampled ideal signals, by name, times from 0; called by several threads at a time.
+
+        Args:
+            level: of fidelity.
+            index: of the recording, for caches.
+
+        Raises:
+            BoomError: the hypothesis has no simulation.
+        """
+
+    @abstractmethod
+    def altered(self, effects: Hypothesis, signals: Mapping[str, Signal]) -> dict[str, Signal]:
+        """Dense signals as sensors with effects give them; untouched ones are the same objects."""
+
+    @abstractmethod
+    def group(self, signal: str, values: Signal, column: int) -> str:
+        """Name of the channel group of a column."""
+
+    @abstractmethod
+    def place(self, group: str) -> tuple[str, str, str]:
+        """Sensor, link and direction of a channel group."""
+
+    @abstractmethod
+    def motion(self, log: Recording, time: Array) -> Array:
+        """Measured coordinates at times from the recording's start, (n, k)."""
+
+    @abstractmethod
+    def phases(self, log: Recording) -> Array:
+        """What happens in every block of a recording, (n,) of words."""
+
+    @abstractmethod
+    def next_experiment(self, explanations: Sequence[Hypothesis], done: Sequence[str]) -> str | None:
+        """What would separate explanations that tie; None where nothing is known."""
+
+    @abstractmethod
+    def pushes(self, metric: "Metric", residual: Array) -> tuple[Push, ...]:
+        """Residual forces that a whitened residual (N,) asks for, largest ratio first; none where nothing is known."""
+
+    @abstractmethod
+    def learns(self, time: Array, lasts: Array) -> Array:
+        """What to learn from where no whole recording is held out, (n,) of bool.
+
+        Args:
+            time: from the recording's start, (n,), s.
+            lasts: the recording, (n,), s.
+        """
+
+    @abstractmethod
+    def shortcut(self, probe: Effect, metric: "Metric") -> Array | None:
+        """The whitened column of a probe where it needs no simulation of its own, (N,); None where it does."""

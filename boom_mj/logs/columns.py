@@ -1,0 +1,148 @@
+"""Any table of numbers by field: CSV (cells may be lists), MATLAB files (structures and arrays), MCAP and bags.
+
+A field is a path: `qm`, `ScopeData.signals.values[2]`, `positions[0]`, and of bags and MCAP
+`/joint_states.position[0]`, whose time is `/joint_states.log_time`. A number in brackets counts columns from 0.
+"""
+
+import csv
+import gzip
+import json
+import re
+import zlib
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from boom_mj.errors import LogError
+from boom_mj.logs.channel import Batch
+from boom_mj.logs.encodings import decoder_of
+from boom_mj.logs.formats import format_of, log_file
+from boom_mj.logs.formats.table import SUFFIXES, _text
+
+Array = np.ndarray
+FIELD = re.compile(r"^(?P<stem>.*?)(\[(?P<column>\d+)\])?$")
+RECORDED = "log_time"
+
+
+def read_columns(path: Path, fields: Iterable[str]) -> dict[str, Array]:
+    """Numbers of some fields of a log, (n,) each; NaN where a cell is empty.
+
+    Raises:
+        LogError: a file that cannot be read, or a field that it lacks; the message lists what there is.
+    """
+    path = log_file(Path(path))
+    if not path.exists():
+        raise LogError(f"{path} cannot be read: there is no such file")
+    name = path.name.lower()
+    if name.endswith(".mat"):
+        table: Mapping[str, Any] = _matlab(path)
+        return {field: _within(path, table, field) for field in fields}
+    if name.endswith(SUFFIXES):
+        table = _csv(path)
+        return {field: _within(path, table, field) for field in fields}
+    return _messages(path, tuple(fields))
+
+
+def _within(path: Path, table: Mapping[str, Any], field: str) -> Array:
+    """Goes down a path of names and takes a column."""
+    found = FIELD.match(field)
+    stem, column = (found["stem"], found["column"]) if found else (field, None)
+    value: Any = table
+    for part in stem.split("."):
+        names = sorted(value) if isinstance(value, Mapping) else []
+        if part not in names:
+            raise LogError(f"{path} has no field '{field}': '{part}' is none of {', '.join(names) or 'its parts'}")
+        value = value[part]
+    try:
+        numbers = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise LogError(f"{path}: '{field}' holds no numbers") from error
+    if column is not None:
+        if numbers.ndim != 2 or int(column) >= numbers.shape[1]:
+            raise LogError(f"{path}: '{stem}' is {numbers.shape}, it has no column {column} (columns count from 0)")
+        numbers = numbers[:, int(column)]
+    if numbers.ndim != 1:
+        raise LogError(f"{path}: '{field}' is {numbers.shape}; name a column, such as '{stem}[0]'")
+    return numbers
+
+
+def _matlab(path: Path) -> Mapping[str, Any]:
+    from scipy.io import loadmat
+
+    try:
+        found = loadmat(path, squeeze_me=True, struct_as_record=False)
+    except (ValueError, OSError, NotImplementedError, TypeError, zlib.error) as error:
+        raise LogError(f"{path} is no MATLAB file of version 4 to 7.2: {error}") from error
+    return {name: _tree(value) for name, value in found.items() if not name.startswith("__")}
+
+
+def _tree(value: Any) -> Any:
+    """Structures of MATLAB as mappings."""
+    if hasattr(value, "_fieldnames"):
+        return {name: _tree(getattr(value, name)) for name in value._fieldnames}
+    return value
+
+
+def _csv(path: Path) -> Mapping[str, Any]:
+    try:
+        with _text(path) as stream:
+            rows = [row for row in csv.reader(stream) if row]
+    except (UnicodeDecodeError, csv.Error, EOFError, zlib.error, gzip.BadGzipFile, OSError) as error:
+        raise LogError(f"{path} is damaged: {error}") from error
+    if len(rows) < 2 or len({len(row) for row in rows}) > 1:
+        raise LogError(f"{path} is no table: it needs a line of names, and as many cells in every line")
+    return {name.strip(): _cells([row[k] for row in rows[1:]]) for k, name in enumerate(rows[0])}
+
+
+def _cells(cells: list[str]) -> Any:
+    """A column of numbers, or of lists of numbers (n, k); texts are NaN."""
+    if cells[0].lstrip().startswith("["):
+        try:
+            return [json.loads(cell) for cell in cells]
+        except json.JSONDecodeError:
+            return cells
+    try:
+        return np.array(cells, dtype=np.float64)
+    except ValueError:
+        return np.array([_number(cell) for cell in cells])
+
+
+def _number(cell: str) -> float:
+    try:
+        return float(cell)
+    except ValueError:
+        return np.nan
+
+
+def _messages(path: Path, fields: tuple[str, ...]) -> dict[str, Array]:
+    """Fields `TOPIC.path[k]` of the messages on a topic; `TOPIC.log_time` is when they were recorded, s."""
+    topics = {field: field.partition(".")[0] for field in fields}
+    rows: dict[str, list[Array]] = {field: [] for field in fields}
+    there: list[str] = []
+
+    def wanted(topic: str) -> bool:
+        there.append(topic)
+        return topic in topics.values()
+
+    for batch in format_of(path).read(path, wanted):
+        if not isinstance(batch, Batch) or not len(batch.messages):
+            continue
+        mine = [field for field in fields if topics[field] == batch.channel.topic]
+        stems = {f: str(FIELD.match(f.partition(".")[2])["stem"]) for f in mine}  # type: ignore[index]
+        asked = tuple(dict.fromkeys(s for s in stems.values() if s != RECORDED))
+        groups = list(decoder_of(batch.channel).decode(batch.messages, asked)) if asked else []
+        for field in mine:
+            if stems[field] == RECORDED:
+                rows[field].append(np.asarray(batch.log_time, float) / 1e9)
+                continue
+            column = int(FIELD.match(field)["column"] or 0)  # type: ignore[index]
+            values = np.full(len(batch.messages), np.nan)
+            for group in groups:
+                values[group.which] = group.columns[stems[field]].values[:, column]
+            rows[field].append(values)
+    for field, parts in rows.items():
+        if not parts:
+            raise LogError(f"{path} has no field '{field}'; its topics are {', '.join(sorted(set(there)))}")
+    return {field: np.concatenate(parts) for field, parts in rows.items()}

@@ -1,0 +1,141 @@
+"""What a pendulum has and its MJCF lacks comes back by name and size, from a table and a channel map.
+
+The machine that is measured is a MuJoCo model of its own, stepped four times finer, with noise on what it logs; a
+stiff servo moves it along a motion that is no secret, and the diagnosis gets the table.
+"""
+
+from functools import cache
+from pathlib import Path
+from tempfile import mkdtemp
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+
+from boom_mj.gap import diagnose, document
+from boom_mj.gap.mjcf import robot_campaign
+
+PENDULUM = """
+<mujoco model="pendulum">
+  <option timestep="0.002" integrator="implicitfast"/>
+  <worldbody>
+    <body name="arm" pos="0 0 1">
+      <joint name="swing" axis="0 1 0" damping="{damping}" frictionloss="{friction}"/>
+      <geom type="capsule" fromto="0 0 0 0 0 -0.5" size="0.02" mass="1.0"/>
+      <site name="tip" pos="0 0 -0.5"/>
+      {load}
+    </body>
+  </worldbody>
+  <actuator>{actuator}</actuator>
+</mujoco>
+"""
+MOTOR = '<motor name="motor" joint="swing"/>'
+SERVO = '<position name="motor" joint="swing" kp="400" kv="20"/>'
+LOAD = '<body pos="0 0 -0.5"><geom type="sphere" size="0.001" mass="{mass}" contype="0" conaffinity="0"/></body>'
+MAP = """
+name = "pendulum"
+model = "nominal.xml"
+time = "time"
+window = 4.0
+start = 1.0 # the servo has caught up
+cutoff = 8.0
+settle = 0.5
+[[channel]]
+name = "angle"
+role = "{drive}"
+joint = "swing"
+field = "angle"
+unit = "rad"
+noise = 1e-5
+[[channel]]
+name = "torque"
+role = "{torque}"
+actuator = "motor"
+field = "torque"
+unit = "N m"
+"""
+RATE, DURATION, FINER = 500, 20.0, 4
+
+
+def motion(time: np.ndarray) -> np.ndarray:
+    return 0.5 * np.sin(2 * np.pi * 0.31 * time) + 0.25 * np.sin(2 * np.pi * 0.83 * time + 1) - 0.25 * np.sin(1)
+
+
+def measure(folder: Path, delay: float, **planted: float) -> Path:
+    """A table of the machine's angle and of the torque that its servo was told to make."""
+    load = LOAD.format(mass=planted["mass"]) if "mass" in planted else ""
+    friction, damping = planted.get("friction", 0.0), 0.05
+    text = PENDULUM.format(damping=damping, friction=friction, load=load, actuator=SERVO)
+    text = text.replace('timestep="0.002"', f'timestep="{1 / RATE / FINER}"')
+    model = mujoco.MjModel.from_xml_string(text.replace("implicitfast", "Euler"))  # the servo's force as it is logged
+    data, rng = mujoco.MjData(model), np.random.default_rng(0)
+    rows = []
+    for k in range(int(RATE * DURATION)):
+        before = float(data.qpos[0])
+        for part in range(FINER):
+            data.ctrl[0] = motion(np.array((k + part / FINER) / RATE))
+            mujoco.mj_step(model, data)
+            if part == 0:
+                torque = float(data.actuator_force[0])
+        rows.append((k / RATE, before, torque))
+    time, angle, torque = np.array(rows).T
+    told = np.interp(time + delay, time, torque)  # the motor acts late
+    angle, told = angle + 1e-5 * rng.standard_normal(len(time)), told + 0.01 * rng.standard_normal(len(time))
+    table = folder / "log.csv"
+    lines = ["time,angle,torque", *(f"{t:.6f},{q:.8f},{u:.6f}" for t, q, u in zip(time, angle, told))]
+    table.write_text("\n".join(lines) + "\n")
+    return table
+
+
+@cache
+def answer(drive: str = "drive", delay: float = 0.0, without: tuple[str, ...] = (), **planted: float) -> dict[str, Any]:
+    folder = Path(mkdtemp())
+    (folder / "nominal.xml").write_text(PENDULUM.format(damping=0.05, friction=0.0, load="", actuator=MOTOR))
+    torque = "compare" if drive == "drive" else "control"
+    (folder / "map.toml").write_text(MAP.format(drive=drive, torque=torque))
+    campaign = robot_campaign([measure(folder, delay, **planted)], [], folder / "map.toml")
+    return document(diagnose(campaign, without), [log.name for log in campaign.recordings])
+
+
+def test_nothing_planted_nothing_found() -> None:
+    found = answer()
+    assert found["verdict"] == "consistent" and not found["effects"], found["sentence"]
+
+
+def test_dry_friction_comes_back_and_not_as_damping() -> None:
+    found = answer(friction=0.3)
+    assert found["verdict"] == "explained", found["sentence"]
+    (effect,) = found["effects"]
+    assert (effect["id"], effect["location"]) == ("coulomb_friction", {"joint": "swing"})
+    force = effect["parameters"]["force"]
+    assert force["value"] == pytest.approx(0.3, rel=0.05) and force["low"] < 0.3 < force["high"]
+
+
+def test_dry_friction_that_is_withheld_is_no_damping() -> None:
+    dry = ("coulomb_friction", "joint_friction", "asymmetric_friction", "stribeck_friction", "load_friction")
+    kin = (*dry, "dead_zone", "backlash")
+    found = answer(friction=0.3, without=kin)
+    assert found["verdict"] == "unexplained", found["sentence"]
+
+
+def test_a_payload_comes_back() -> None:
+    found = answer(mass=0.2)
+    assert found["verdict"] in ("explained", "ambiguous"), found["sentence"]
+    effect = found["effects"][0]
+    assert effect["id"] == "payload" and effect["parameters"]["mass"]["value"] == pytest.approx(0.2, rel=0.05)
+
+
+def test_an_actuator_that_acts_late_comes_back() -> None:
+    found = answer(delay=0.03)
+    ids = [effect["id"] for effect in found["effects"]] + [e["id"] for tie in found["ties"] for e in tie]
+    assert "actuator_delay" in ids, found["sentence"]
+    assert found["effects"][0]["parameters"]["delay"]["value"] == pytest.approx(0.03, abs=0.003)
+
+
+def test_commands_can_drive_instead_of_motion() -> None:
+    """The same friction, seen in the motion that a given torque makes."""
+    found = answer("compare", friction=0.3)
+    (effect,) = found["effects"]
+    assert effect["id"] in ("coulomb_friction", "joint_friction"), found["sentence"]
+    assert effect["parameters"]["force"]["value"] == pytest.approx(0.3, rel=0.05)

@@ -1,0 +1,75 @@
+"""Machines that exist, measured by others: what is named agrees with what is known of them another way.
+
+The data are no part of the project: `BOOM_MJ_REAL`, or ../shared/real beside it, is where they lie.
+"""
+
+import os
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from boom_mj.gap import diagnose, document
+from boom_mj.gap.mjcf import load_channel_map, robot_campaign
+
+ROOT = Path(__file__).parents[2]
+REAL = Path(os.environ.get("BOOM_MJ_REAL", ROOT.parent / "shared" / "real"))
+LOGS = {
+    "emps": "emps/DATA_EMPS.mat",
+    "two_link_arm": "two_link_arm/lqr_full_10deg.mat",
+    "clamped_beam": "clamped_beam/beam_gravity_V2_a.csv.gz",
+    "flexible_joint": "flexible_joint/scope_data_PRBS.mat",
+    "so101": "so101/friction_gravity/state_motor.csv.gz",
+}
+
+
+def log(name: str) -> Path:
+    path = REAL / name
+    if not path.exists():
+        pytest.skip(f"{name} is not at {REAL}; BOOM_MJ_REAL says where recordings of real machines are")
+    return path
+
+
+def map_of(name: str) -> Path:
+    return ROOT / "models" / "real" / f"{name}.toml"
+
+
+def answer(name: str, *held_out: str) -> dict[str, Any]:
+    campaign = robot_campaign([log(LOGS[name])], [log(other) for other in held_out], map_of(name))
+    return document(diagnose(campaign), [part.name for part in campaign.recordings])
+
+
+def sizes(found: dict[str, Any], name: str) -> dict[str, float]:
+    effects = [effect for effect in found["effects"] + found["suspect"] if effect["id"] == name]
+    return {knob: size["value"] for knob, size in effects[0]["parameters"].items()} if effects else {}
+
+
+@pytest.mark.parametrize("name", LOGS)
+def test_maps_fit_their_models_and_logs(name: str) -> None:
+    """Every set is simulated from its nominal model; its gap is there to be explained."""
+    campaign = robot_campaign([log(LOGS[name])], [], map_of(name))
+    (nominal,) = campaign.predict([()], 1, training_only=True)
+    misses = ((campaign.measured - nominal) / campaign.noise)[campaign.train]
+    assert 1 < float((misses**2).mean() ** 0.5) < 1e3
+    assert {channel.signal for channel in campaign.channels} == {
+        entry.name for entry in load_channel_map(map_of(name)).role("compare")
+    }
+
+
+@pytest.mark.slow
+def test_the_drive_has_the_friction_that_its_owners_found() -> None:
+    """Janot, Gautier, Brunot 2019 by their inverse model: 203.5 N s/m, 20.4 N, offset -3.2 N, mass 95.1 kg."""
+    found = answer("emps")
+    friction, viscous = sizes(found, "asymmetric_friction"), sizes(found, "viscous_friction")
+    assert viscous["damping"] == pytest.approx(203.5, rel=0.1)
+    assert (friction["forward"] + friction["backward"]) / 2 == pytest.approx(20.4, rel=0.1)
+    assert (friction["forward"] - friction["backward"]) / 2 == pytest.approx(-3.2, rel=0.2)
+    assert found["gap"]["closure"] > 0.9
+
+
+@pytest.mark.slow
+def test_the_beam_is_as_stiff_as_its_owners_say_and_lacks_damping() -> None:
+    """Their Young's modulus stands; another release, not learnt from, falls silent the same way."""
+    found = answer("clamped_beam", "clamped_beam/beam_gravity_V2_b.csv.gz")
+    assert [effect["id"] for effect in found["effects"] + found["suspect"]] == ["link_damping"]
+    assert found["gap"]["closure"] > 0.9

@@ -1,0 +1,89 @@
+"""A channel map that is wrong is refused by the name of its channel, with what would be right."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.io import savemat
+
+from boom_mj.errors import ChannelMapError, LogError
+from boom_mj.gap.mjcf import robot_campaign
+from boom_mj.gap.mjcf.channel_map import parse_channel_map
+from boom_mj.logs.columns import read_columns
+
+MODEL = """<mujoco><worldbody><body><joint name="swing"/><geom size="0.1" mass="1" pos="0 0 -1"/></body></worldbody>
+<actuator><motor name="motor" joint="swing"/></actuator></mujoco>"""
+GOOD = """
+name = "one"
+time = "t"
+model = "one.xml"
+channel = [
+  {name = "q", role = "drive", joint = "swing", field = "q"},
+  {name = "u", role = "compare", actuator = "motor", field = "u"},
+]
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('name = "u"', 'name = "q"', "several channels are called q"),
+        ('role = "compare"', 'role = "judge"', "'drive', 'control' or 'compare'"),
+        ('actuator = "motor"', 'actuator = "motor", joint = "swing"', "just one of joint, actuator and sensor"),
+        ('field = "u"', "scale = 2", "either a field or terms"),
+        ('joint = "swing"', 'actuator = "motor"', "must name a joint"),
+        ('field = "u"', 'field = "u", quantity = "position"', "none of force"),
+        ('time = "t"', 'time = "t"\nspeed = 3', "unknown key; known are name, time"),
+        ('time = "t"', "", "time is missing"),
+        ('role = "compare"', 'role = "control"', "nothing to judge by"),
+        ('time = "t"', 'time = "t"\nsettle = 20.0', "leaves nothing of window"),
+        ('time = "t"', "time = ", "is no TOML"),
+    ],
+)
+def test_bad_maps(old: str, new: str, said: str) -> None:
+    with pytest.raises(ChannelMapError, match=said):
+        parse_channel_map(GOOD.replace(old, new))
+
+
+def files(folder: Path, text: str = GOOD) -> Path:
+    (folder / "one.xml").write_text(MODEL)
+    (folder / "map.toml").write_text(text)
+    time = np.arange(0, 20, 0.01)
+    rows = "\n".join(f"{t:.3f},{np.sin(t):.6f},{np.cos(t):.6f}" for t in time)
+    (folder / "log.csv").write_text("t,q,u\n" + rows + "\n")
+    return folder / "map.toml"
+
+
+def test_names_that_the_model_does_not_have(tmp_path: Path) -> None:
+    path = files(tmp_path, GOOD.replace('joint = "swing"', 'joint = "sling"'))
+    with pytest.raises(ChannelMapError, match=r"'q': joint = 'sling' .* it has swing"):
+        robot_campaign([tmp_path / "log.csv"], [], path)
+
+
+def test_fields_that_the_log_does_not_have(tmp_path: Path) -> None:
+    path = files(tmp_path, GOOD.replace('field = "u"', 'field = "torque"'))
+    with pytest.raises(LogError, match=r"no field 'torque': .* none of q, t, u"):
+        robot_campaign([tmp_path / "log.csv"], [], path)
+
+
+def test_a_log_is_split_in_stretches(tmp_path: Path) -> None:
+    campaign = robot_campaign([tmp_path / "log.csv"], [], files(tmp_path, GOOD + "")) if files(tmp_path) else None
+    assert campaign is not None and campaign.training == 1 and len(campaign.recordings) == 2
+    names = [log.name for log in campaign.recordings]
+    assert names[0].startswith("log.csv 0.2-10.2 s")
+    learnt = robot_campaign([tmp_path / "log.csv"], [tmp_path / "log.csv"], tmp_path / "map.toml")
+    assert (learnt.training, len(learnt.recordings)) == (2, 4)
+
+
+def test_columns_of_tables_and_matlab_files(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text('time,position\n0,"[1.0, 2.0]"\n1,"[3.0, 4.0]"\n')
+    assert read_columns(tmp_path / "a.csv", ["position[1]"])["position[1]"].tolist() == [2, 4]
+    savemat(tmp_path / "a.mat", {"Scope": {"time": np.arange(3.0), "values": np.arange(6.0).reshape(3, 2)}})
+    found = read_columns(tmp_path / "a.mat", ["Scope.time", "Scope.values[1]"])
+    assert found["Scope.values[1]"].tolist() == [1, 3, 5]
+    for field, said in (("Scope.values[2]", "no column 2"), ("Scope.values", "name a column"), ("x", "none of Scope")):
+        with pytest.raises(LogError, match=said):
+            read_columns(tmp_path / "a.mat", [field])
+    (tmp_path / "b.mat").write_bytes(b"nothing of the kind" * 20)
+    with pytest.raises(LogError, match="no MATLAB file"):
+        read_columns(tmp_path / "b.mat", ["x"])
