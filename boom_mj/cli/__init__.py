@@ -6,7 +6,7 @@ from typing import Any
 
 import typer
 
-from boom_mj.cli import gap, generate, logs, render, replay, simulate, track, validate, view
+from boom_mj.cli import calibrate, gap, generate, logs, render, replay, simulate, track, validate, view
 from boom_mj.errors import BoomError, InputError, LogWarning
 
 app = typer.Typer(
@@ -15,7 +15,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (generate, simulate, replay, validate, view, render, track):
+for command in (generate, simulate, replay, validate, view, render, track, calibrate):
     app.command(command.__name__.rpartition(".")[2])(command.command)
 app.add_typer(logs.app, name="logs")
 app.add_typer(gap.app, name="gap")

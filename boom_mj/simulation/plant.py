@@ -87,6 +87,11 @@ class Plant:
         """World position of the boom's tip, (3,), m."""
         return self._at(qpos).site("tip").xpos.copy()
 
+    def markers(self, qpos: Array) -> Array:
+        """World positions of the markers, (m, 3), m."""
+        data, count = self._at(qpos), len(self.machine.links) * len(self.machine.sensors.markers_x)
+        return np.array([data.site(f"marker{k + 1}").xpos for k in range(count)])
+
     def rest_force(self, qpos: Array, loads: Mapping[str, Array]) -> Array:
         """What is missing for rest at qpos: weight less springs less the forces on sites, per coordinate, (nv,)."""
         data, jacobian = self._at(qpos), np.zeros((3, self.model.nv))

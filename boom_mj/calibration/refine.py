@@ -1,0 +1,124 @@
+"""The joint refinement: all recordings, all coordinates at once, by scipy's trust-region least squares.
+
+Residuals are whitened: measured less predicted less what finer hinges would add, over noise and model error. Predictions
+have HINGES; their sensitivities are secants with COARSE hinges, and stay while the coordinates do.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from boom_mj.calibration.evidence import COARSE, HINGES, Evidence
+from boom_mj.calibration.identify import covariance
+from boom_mj.calibration.parameters import OFFSET, Space
+
+Array = np.ndarray
+NEAR = 0.03  # of a logarithm, within which sensitivities stay
+EVALUATIONS, ENOUGH = 15, 1e-6  # of the refinement; relative fall of the cost at which it ends
+FAILED = 1e3  # whitened residual of a simulation that left the numbers
+WINDOW = 5.0  # s, over which residuals may be correlated
+SYSTEMATIC = 0.5  # share of what the hinges' extrapolation moves that may be wrong
+
+
+@dataclass(frozen=True, eq=False)
+class Refined:
+    """Coordinates at their best, and how sure they are.
+
+    Attributes:
+        space: of the coordinates.
+        coordinates: (p,).
+        deviation: standard deviations, (p,).
+        systematic: their part that comes from the number of hinges, (p,).
+        residual: whitened, (N,).
+        jacobian: whitened sensitivities, (N, p).
+        weight: 1 / deviation of every entry, (N,).
+        at_bound: names of coordinates that stopped at a bound.
+        status: how the search ended.
+    """
+
+    space: Space
+    coordinates: Array
+    deviation: Array
+    systematic: Array
+    residual: Array
+    jacobian: Array
+    weight: Array
+    at_bound: tuple[str, ...]
+    status: str
+
+
+def sensitivities(evidence: Evidence, space: Space, coordinates: Array, weight: Array) -> Array:
+    """Whitened d prediction / d coordinate, (N, size), by secants with COARSE hinges."""
+    low, high = space.bounds
+    steps = np.where(coordinates + space.steps <= high, space.steps, -space.steps)
+    points = [coordinates, *(coordinates + step * row for step, row in zip(steps, np.eye(space.size)))]
+    base, *moved = evidence.predict([space.at(point) for point in points], COARSE)
+    return np.stack([np.nan_to_num((m - base) / step) * weight for m, step in zip(moved, steps)], axis=1)
+
+
+def refine(
+    evidence: Evidence,
+    space: Space,
+    start: Array,
+    known: Array | None = None,
+    tell: Callable[[str], None] = lambda line: None,
+) -> Refined:
+    """Fit all coordinates to all recordings.
+
+    Args:
+        start: coordinates, (p,).
+        known: sensitivities there, (N, p), if they are known already.
+        tell: hears one line per prediction.
+    """
+    finer, weight = evidence.fidelity(space.at(start))
+    kept = {} if known is None else {"at": start, "jacobian": known}
+
+    def residual(coordinates: Array) -> Array:
+        (prediction,) = evidence.predict([space.at(coordinates)], HINGES)
+        white = (evidence.measured - prediction - finer) * weight
+        white = np.where(weight > 0, np.where(np.isfinite(white), white, FAILED), 0.0)
+        tell(f"gap {np.sqrt(np.mean(white[evidence.used] ** 2)):.3f}")
+        return white
+
+    def jacobian(coordinates: Array) -> Array:
+        if not kept or np.max(np.abs(coordinates - kept["at"])) > NEAR:
+            kept.update(at=coordinates.copy(), jacobian=sensitivities(evidence, space, coordinates, weight))
+        return -kept["jacobian"]
+
+    low, high = space.bounds
+    begin = np.clip(start, low + 1e-9, high - 1e-9)
+    found = least_squares(
+        residual, begin, jacobian, (low, high), x_scale="jac", ftol=ENOUGH, xtol=1e-7, gtol=None, max_nfev=EVALUATIONS
+    )
+    deviation, systematic = deviations(evidence, -found.jac, found.fun, finer * weight)
+    close = np.minimum(found.x - low, high - found.x) < 1e-3 * np.minimum(1.0, (high - low) / OFFSET)
+    return Refined(
+        space=space,
+        coordinates=found.x,
+        deviation=deviation,
+        systematic=systematic,
+        residual=found.fun,
+        jacobian=-found.jac,
+        weight=weight,
+        at_bound=tuple(name for name, there in zip(space.names, close) if there),
+        status=found.message,
+    )
+
+
+def deviations(evidence: Evidence, jacobian: Array, residual: Array, finer: Array) -> tuple[Array, Array]:
+    """Standard deviations of the coordinates, and their part from the number of hinges, (p,) both.
+
+    H^-1 (sum g g^T) H^-1 with scores g summed over windows and over whole recordings, within which residuals are
+    correlated, or H^-1, whichever is largest; besides a share of what the extrapolated change `finer` moves.
+    """
+    inverse = covariance(jacobian)
+    score = jacobian * residual[:, None]
+    windows = (evidence.recording_of * (int(max(evidence.time) // WINDOW) + 1) + evidence.time // WINDOW).astype(int)
+    variances = [np.diag(inverse)]
+    for cluster in (windows, evidence.recording_of):
+        sums = np.stack([np.bincount(cluster, column) for column in score.T], axis=1)
+        variances.append(np.diag(inverse @ (sums.T @ sums) @ inverse))
+    systematic = SYSTEMATIC * np.abs(inverse @ (jacobian.T @ np.nan_to_num(finer)))
+    return np.sqrt(np.max(variances, axis=0) + systematic**2), systematic
