@@ -14,15 +14,19 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d
 
 from boom_mj.calibration.parameters import Setting
+from boom_mj.effects import effects_of
 from boom_mj.errors import BoomError, LogError
 from boom_mj.machine import Machine
+from boom_mj.mjcf import build
 from boom_mj.recording import Recording
 from boom_mj.sensors import driving_angles, ideal_signals, noise_levels, sample, true_angles
 from boom_mj.sensors.blocks import Blocks, blocks_of
-from boom_mj.simulation import Plant, Trajectory, make_plant, run, step_times
+from boom_mj.simulation import Plant, Trajectory, run, step_times
+from boom_mj.simulation.plant import with_effects
 
 Array = np.ndarray
 COARSE, HINGES = 2, 4  # hinges of secants, and of what is compared with the measurements
+PACE = 2.0  # steps of secants, in those of the plant
 ORDER = 2  # of convergence in the number of hinges
 LEFT = 0.5  # share of the extrapolated change that may be wrong
 REACH = 5  # blocks over which the model's error is carried, for phase
@@ -63,25 +67,28 @@ class Evidence:
         """Channel group of every entry, (N,) of str."""
         return np.concatenate([np.tile([c.group for c in b.columns], len(b.time)) for b in self.blocks])
 
-    def predict(self, settings: Sequence[Setting], hinges: int) -> list[Array]:
-        """The long vector of every setting, (N,) each; NaN where MuJoCo left the numbers."""
-        futures = [
-            [self._pool.submit(self._part, setting, hinges, k) for k in range(len(self.blocks))] for setting in settings
-        ]
+    def predict(self, settings: Sequence[Setting], hinges: int, pace: float = 1.0) -> list[Array]:
+        """The long vector of every setting, (N,) each; NaN where MuJoCo left the numbers.
+
+        Args:
+            pace: steps of the integrator in those of the plant.
+        """
+        indices = range(len(self.blocks))
+        futures = [[self._pool.submit(self._part, setting, hinges, pace, k) for k in indices] for setting in settings]
         return [np.concatenate([part.result() for part in row]) for row in futures]
 
-    def _part(self, setting: Setting, hinges: int, index: int) -> Array:
-        key = (setting, hinges, index)
+    def _part(self, setting: Setting, hinges: int, pace: float, index: int) -> Array:
+        key = (setting, hinges, pace, index)
         if key not in self._done:
             try:
-                self._done[key] = self.blocks[index].of(ideal_signals(self.motion(setting, hinges, index))).ravel()
+                self._done[key] = self.blocks[index].of(ideal_signals(self.motion(setting, hinges, index, pace))).ravel()
             except BoomError:
                 self._done[key] = np.full(self.blocks[index].mean.size, np.nan)
         return self._done[key]
 
-    def motion(self, setting: Setting, hinges: int, index: int) -> Trajectory:
+    def motion(self, setting: Setting, hinges: int, index: int, pace: float = 1.0) -> Trajectory:
         """The simulated motion of one recording."""
-        plant = self._plant(setting, hinges)
+        plant = self._plant(setting, hinges, pace)
         block = self.blocks[index]
         joints = block.log["joint/position"]
         steps = step_times(plant, joints.time[-1] - joints.time[0])
@@ -91,13 +98,15 @@ class Evidence:
             self.simulated_s += float(steps[-1])
         return motion
 
-    def _plant(self, setting: Setting, hinges: int) -> Plant:
-        key = (setting.machine, hinges)
+    def _plant(self, setting: Setting, hinges: int, pace: float) -> Plant:
+        key = (setting.machine, hinges, pace)
         with self._lock:
             if key not in self._plants:
                 while len(self._plants) >= KEPT:
                     self._plants.pop(next(iter(self._plants)))
-                self._plants[key] = make_plant(setting.machine, hinges)
+                boom = build(setting.machine, hinges)
+                boom.spec.option.timestep *= pace
+                self._plants[key] = with_effects(boom, effects_of(setting.machine))
             plant = self._plants[key]
         return Plant(plant.boom, plant.model, plant.effects)  # its scratch is its own
 

@@ -133,6 +133,11 @@ class Space:
         return (*(knob.name for knob in self.knobs), *(f"joint{k + 1}.zero_offset" for k in range(JOINTS)))
 
     @property
+    def kinds(self) -> tuple[str, ...]:
+        """Kind of every coordinate."""
+        return (*(knob.kind for knob in self.knobs), *("zero_offset",) * JOINTS)
+
+    @property
     def steps(self) -> Array:
         """Secant steps, (size,)."""
         return np.array([STEP] * len(self.knobs) + [OFFSET_STEP] * JOINTS)

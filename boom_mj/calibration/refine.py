@@ -10,13 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from boom_mj.calibration.evidence import COARSE, HINGES, Evidence
+from boom_mj.calibration.evidence import COARSE, HINGES, PACE, Evidence
 from boom_mj.calibration.identify import covariance
 from boom_mj.calibration.parameters import OFFSET, Space
 
 Array = np.ndarray
-NEAR = 0.03  # of a logarithm, within which sensitivities stay
-EVALUATIONS, ENOUGH = 15, 1e-6  # of the refinement; relative fall of the cost at which it ends
+NEAR = 0.05  # of a logarithm, within which sensitivities stay
+EVALUATIONS, ENOUGH = 12, 1e-5  # of the refinement; relative fall of the cost at which it ends
 FAILED = 1e3  # whitened residual of a simulation that left the numbers
 WINDOW = 5.0  # s, over which residuals may be correlated
 SYSTEMATIC = 0.5  # share of what the hinges' extrapolation moves that may be wrong
@@ -54,7 +54,7 @@ def sensitivities(evidence: Evidence, space: Space, coordinates: Array, weight: 
     low, high = space.bounds
     steps = np.where(coordinates + space.steps <= high, space.steps, -space.steps)
     points = [coordinates, *(coordinates + step * row for step, row in zip(steps, np.eye(space.size)))]
-    base, *moved = evidence.predict([space.at(point) for point in points], COARSE)
+    base, *moved = evidence.predict([space.at(point) for point in points], COARSE, PACE)
     return np.stack([np.nan_to_num((m - base) / step) * weight for m, step in zip(moved, steps)], axis=1)
 
 
@@ -92,7 +92,7 @@ def refine(
     found = least_squares(
         residual, begin, jacobian, (low, high), x_scale="jac", ftol=ENOUGH, xtol=1e-7, gtol=None, max_nfev=EVALUATIONS
     )
-    deviation, systematic = deviations(evidence, -found.jac, found.fun, finer * weight)
+    deviation, systematic = deviations(evidence, space, -found.jac, found.fun, finer * weight)
     close = np.minimum(found.x - low, high - found.x) < 1e-3 * np.minimum(1.0, (high - low) / OFFSET)
     return Refined(
         space=space,
@@ -107,11 +107,14 @@ def refine(
     )
 
 
-def deviations(evidence: Evidence, jacobian: Array, residual: Array, finer: Array) -> tuple[Array, Array]:
+def deviations(
+    evidence: Evidence, space: Space, jacobian: Array, residual: Array, finer: Array
+) -> tuple[Array, Array]:
     """Standard deviations of the coordinates, and their part from the number of hinges, (p,) both.
 
     H^-1 (sum g g^T) H^-1 with scores g summed over windows and over whole recordings, within which residuals are
-    correlated, or H^-1, whichever is largest; besides a share of what the extrapolated change `finer` moves.
+    correlated, or H^-1, whichever is largest; besides a share of what the extrapolated change `finer` moves, of the
+    coordinate itself or as the root mean square over its kind: one may vanish by chance.
     """
     inverse = covariance(jacobian)
     score = jacobian * residual[:, None]
@@ -120,5 +123,9 @@ def deviations(evidence: Evidence, jacobian: Array, residual: Array, finer: Arra
     for cluster in (windows, evidence.recording_of):
         sums = np.stack([np.bincount(cluster, column) for column in score.T], axis=1)
         variances.append(np.diag(inverse @ (sums.T @ sums) @ inverse))
-    systematic = SYSTEMATIC * np.abs(inverse @ (jacobian.T @ np.nan_to_num(finer)))
+    moved = np.abs(inverse @ (jacobian.T @ np.nan_to_num(finer)))
+    for kind in set(space.kinds):
+        alike = np.array([other == kind for other in space.kinds])
+        moved[alike] = np.maximum(moved[alike], np.sqrt(np.mean(moved[alike] ** 2)))
+    systematic = SYSTEMATIC * moved
     return np.sqrt(np.max(variances, axis=0) + systematic**2), systematic

@@ -64,6 +64,11 @@ class Release:
     fall_deviation: Array
     decay: Decay
 
+    @property
+    def first(self) -> tuple[float, float]:
+        """Frequency (Hz) and damping ratio of the slowest of its modes, which is the strongest in a free boom."""
+        return float(self.decay.frequency[0]), float(self.decay.damping_ratio[0])
+
 
 def first_rest(blocks: Blocks) -> Rest | None:
     """The rest at the begin of a recording, where there is one."""
@@ -149,9 +154,21 @@ def _cut(blocks: Blocks) -> float | None:
 
 def _motion(blocks: Blocks) -> float:
     """When the first joint moves, s; infinite where none does."""
+    away = _away(blocks, 0)
+    return float(away[0]) if away.size else np.inf
+
+
+def stop_of(blocks: Blocks) -> float | None:
+    """When the last joint comes to rest, s; None where none moves."""
+    away = _away(blocks, -1)
+    return float(away[-1]) if away.size else None
+
+
+def _away(blocks: Blocks, end: int) -> Array:
+    """Times at which a joint is not where it is at the begin (0) or the end (-1) of the recording, (m,), s."""
     joints = blocks.log["joint/position"]
-    command = blocks.log["joint_command/position"] if "joint_command/position" in blocks.log else joints
-    first = np.nanmean(command.values[: max(1, len(command.time) // 50)], axis=0)
-    limit = STILL + 4 * np.nanstd(np.diff(command.values, axis=0), axis=0) / np.sqrt(2)
-    moved = np.flatnonzero((np.abs(command.values - first) > limit).any(axis=1))
-    return float(command.time[moved[0]] - blocks.start) if moved.size else np.inf
+    path = blocks.log["joint_command/position"] if "joint_command/position" in blocks.log else joints
+    few = max(1, len(path.time) // 50)
+    there = np.nanmean(path.values[:few] if end == 0 else path.values[-few:], axis=0)
+    limit = STILL + 4 * np.nanstd(np.diff(path.values, axis=0), axis=0) / np.sqrt(2)
+    return path.time[(np.abs(path.values - there) > limit).any(axis=1)] - blocks.start
