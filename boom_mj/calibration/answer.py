@@ -100,45 +100,49 @@ def calibrated_text(text: str, found: Calibration) -> str:
     Raises:
         MachineFileError: a value does not stand on a line of its own and cannot be replaced.
     """
-    source = parse_machine(text)
-    places: dict[tuple[str, int, str], float] = {}
+    source, values = parse_machine(text), {}
     for knob, x in zip(found.whole.knobs, found.coordinates):
         (parameter,) = knob.parameters
-        for field, value in parameter.values(source).items():
-            if value and x:
-                section = ("damping", 0) if parameter.link is None else ("link", parameter.link - 2)
-                places[(*section, field)] = float(f"{value * np.exp(x):.{DIGITS}g}")
-    replaced = _replace(text, places)
-    made = parse_machine(replaced, "calibrated machine file")
-    for (section, number, field), value in places.items():
-        part = made.damping if section == "damping" else made.links[number]
-        if getattr(part, field) != value:
-            name = section if section == "damping" else f"link{number + 2}"
-            raise MachineFileError(f"{name}.{field} does not stand on a line `{field} = value` of its own: rewrite it so")
-    return replaced.rstrip("\n") + "\n\n" + _effect(found.setting)
+        section = ("damping", 0) if parameter.link is None else ("link", parameter.link - 2)
+        moved = {field: value * float(np.exp(x)) for field, value in parameter.values(source).items()}
+        values.update({(*section, field): value for field, value in moved.items() if value and x})
+    return replaced_text(text, values).rstrip("\n") + "\n\n" + _effect(found.setting)
 
 
-def _replace(text: str, places: Mapping[tuple[str, int, str], float]) -> str:
-    """Lines `field = value` of [damping] and of the k-th [[link]] with new values; all else stays."""
+def replaced_text(text: str, values: Mapping[tuple[str, int, str], float]) -> str:
+    """A machine file's text with new values.
+
+    Args:
+        values: by section ("link" or "damping"), number within it and field.
+
+    Raises:
+        MachineFileError: a value does not stand on a line `field = value` of its own.
+    """
+    shown = {place: f"{value:.{DIGITS}g}" for place, value in values.items()}
     section, links, lines = "", -1, []
     for line in text.splitlines():
         if header := re.match(r"\s*\[+\s*([\w.]+)\s*\]+", line):
             section = header[1]
             links += section == "link"
-        field = re.match(r"(\s*)(\w+)(\s*=\s*)([-+.\w]+)(.*)", line)
-        if field and (key := (section, links if section == "link" else 0, field[2])) in places:
-            new = f"{places[key]:.{DIGITS}g}"
-            rest = field[5]
-            if "#" in rest:  # comments stay where they are
-                rest = " " * max(1, len(rest) - len(rest.lstrip()) + len(field[4]) - len(new)) + rest.lstrip()
-            line = f"{field[1]}{field[2]}{field[3]}{new}{rest}"
+        field = re.match(r"(\s*(\w+)\s*=\s*)([-+.\w]+)(\s*)(.*)", line)
+        if field and (new := shown.get((section, links if section == "link" else 0, field[2]))):
+            gap = max(1, len(field[4]) + len(field[3]) - len(new)) if field[5] else 0  # comments stay where they are
+            line = f"{field[1]}{new}{' ' * gap}{field[5]}"
         lines.append(line)
-    return "\n".join(lines) + "\n"
+    made = "\n".join(lines) + "\n"
+    machine = parse_machine(made, "calibrated machine file")
+    for (where, number, name), new in shown.items():
+        if getattr(machine.damping if where == "damping" else machine.links[number], name) != float(new):
+            place = where if where == "damping" else f"link{number + 2}"
+            raise MachineFileError(
+                f"{place}.{name} does not stand on a line `{name} = value` of its own: rewrite it so"
+            )
+    return made
 
 
 def _effect(setting: Setting) -> str:
     offsets = "".join(f"joint{k + 1} = {value:.6g}\n" for k, value in enumerate(setting.offsets))
-    return f"# zero offsets of the joint sensors, rad, estimated along\n[[effect]]\nid = \"joint_zero_offset\"\n{offsets}"
+    return f'# zero offsets of the joint sensors, rad, estimated along\n[[effect]]\nid = "joint_zero_offset"\n{offsets}'
 
 
 def _offset(found: Calibration, joint: int) -> dict[str, float]:

@@ -1,8 +1,8 @@
 """What was measured, as one long vector, and what a machine would have given.
 
-Every setting (a machine and zero offsets) is simulated at most once per recording and number of hinges; MuJoCo runs them
-on threads. Refining the hinges from COARSE to HINGES changes the prediction by d; by Richardson d / (ratio^2 - 1) is what
-finer hinges still would, and a share of it counts as the model's own error.
+Every setting (a machine and zero offsets) is simulated at most once per recording and number of hinges, on threads.
+Refining the hinges from COARSE to HINGES changes the prediction by d; by Richardson d / (ratio^2 - 1) is what finer
+hinges still would, and a share of it counts as the model's own error.
 """
 
 import os
@@ -81,7 +81,9 @@ class Evidence:
         key = (setting, hinges, pace, index)
         if key not in self._done:
             try:
-                self._done[key] = self.blocks[index].of(ideal_signals(self.motion(setting, hinges, index, pace))).ravel()
+                self._done[key] = (
+                    self.blocks[index].of(ideal_signals(self.motion(setting, hinges, index, pace))).ravel()
+                )
             except BoomError:
                 self._done[key] = np.full(self.blocks[index].mean.size, np.nan)
         return self._done[key]

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from boom_mj.calibration.parameters import JOINTS, Space
+from boom_mj.calibration.parameters import Space
 
 Array = np.ndarray
 WIDEST = 0.03  # deviation of a logarithm, from independent residuals, beyond which a coordinate is not told
@@ -37,8 +37,12 @@ class Identifiability:
 
 
 def covariance(jacobian: Array) -> Array:
-    """(J^T J)^-1, (p, p), with a large variance instead of an infinite one."""
-    information = jacobian.T @ jacobian
+    """(J^T J)^-1 of whitened sensitivities (N, p), (p, p)."""
+    return inverse(jacobian.T @ jacobian)
+
+
+def inverse(information: Array) -> Array:
+    """Of a symmetric matrix that may be singular, (p, p): with a large variance instead of an infinite one."""
     scale = np.sqrt(np.maximum(np.diag(information), 1e-12))
     size, direction = np.linalg.eigh(information / np.outer(scale, scale))
     return (direction / np.maximum(size, 1e-12)) @ direction.T / np.outer(scale, scale)
@@ -73,16 +77,19 @@ def simplify(jacobian: Array, space: Space) -> tuple[Space, tuple[str, ...]]:
     """A space whose coordinates the data tell, and a sentence about each that was given up."""
     said: list[str] = []
     whole = space
+    information = jacobian.T @ jacobian
     while True:
-        spread = covariance(jacobian @ space.gathering(whole))
+        gathering = space.gathering(whole)
+        told = gathering.T @ information @ gathering
+        spread = inverse(told)
         deviation = np.sqrt(np.diag(spread))[: len(space.knobs)]
         if not len(deviation) or deviation.max() <= WIDEST:
             return space, tuple(said)
         worst = int(np.argmax(deviation))
         knob, loose = space.knobs[worst], deviation[worst]
-        alone = 1 / np.linalg.norm((jacobian @ space.gathering(whole))[:, worst]) if _felt(jacobian, space, whole, worst) else np.inf
+        felt = np.sqrt(told[worst, worst])  # 1 / deviation if all else were known
         rivals = [k for k, other in enumerate(space.knobs) if other.kind == knob.kind and k != worst]
-        if alone > WIDEST or not rivals:
+        if felt * WIDEST < 1 or not rivals:
             said.append(f"{knob.name} stays at the machine file's: {_unsure(loose)}")
             space = space.without(worst)
             continue
@@ -91,11 +98,5 @@ def simplify(jacobian: Array, space: Space) -> tuple[Space, tuple[str, ...]]:
         space = space.joined(worst, partner)
 
 
-def _felt(jacobian: Array, space: Space, whole: Space, number: int) -> bool:
-    return bool(np.any((jacobian @ space.gathering(whole))[:, number]))
-
-
 def _unsure(deviation: float) -> str:
     return "these data do not tell it" if deviation > NULL else f"these data tell it to {deviation:.0%} only"
-
-

@@ -200,7 +200,10 @@ def make_space(machine: Machine, kinds: Sequence[str] = USUAL) -> Space:
             raise InputError(f"there is no parameter {kind!r} to calibrate; there are {', '.join(KINDS)}")
     numbers = range(2, 2 + len(machine.links))
     parameters = [
-        Parameter(kind, link) for kind in KINDS if kind in kinds for link in (numbers if KINDS[kind].per_link else (None,))
+        Parameter(kind, link)
+        for kind in KINDS
+        if kind in kinds
+        for link in (numbers if KINDS[kind].per_link else (None,))
     ]
     for parameter in parameters:
         if not parameter.value(machine):

@@ -1,7 +1,7 @@
 """The joint refinement: all recordings, all coordinates at once, by scipy's trust-region least squares.
 
-Residuals are whitened: measured less predicted less what finer hinges would add, over noise and model error. Predictions
-have HINGES; their sensitivities are secants with COARSE hinges, and stay while the coordinates do.
+Residuals are whitened: measured less predicted less what finer hinges would add, over noise and model error.
+Predictions have HINGES; their sensitivities are secants with COARSE hinges, and stay while the coordinates do.
 """
 
 from collections.abc import Callable
@@ -51,8 +51,7 @@ class Refined:
 
 def sensitivities(evidence: Evidence, space: Space, coordinates: Array, weight: Array) -> Array:
     """Whitened d prediction / d coordinate, (N, size), by secants with COARSE hinges."""
-    low, high = space.bounds
-    steps = np.where(coordinates + space.steps <= high, space.steps, -space.steps)
+    steps = np.where(coordinates + space.steps <= space.bounds[1], space.steps, -space.steps)
     points = [coordinates, *(coordinates + step * row for step, row in zip(steps, np.eye(space.size)))]
     base, *moved = evidence.predict([space.at(point) for point in points], COARSE, PACE)
     return np.stack([np.nan_to_num((m - base) / step) * weight for m, step in zip(moved, steps)], axis=1)
@@ -107,9 +106,7 @@ def refine(
     )
 
 
-def deviations(
-    evidence: Evidence, space: Space, jacobian: Array, residual: Array, finer: Array
-) -> tuple[Array, Array]:
+def deviations(evidence: Evidence, space: Space, jacobian: Array, residual: Array, finer: Array) -> tuple[Array, Array]:
     """Standard deviations of the coordinates, and their part from the number of hinges, (p,) both.
 
     H^-1 (sum g g^T) H^-1 with scores g summed over windows and over whole recordings, within which residuals are

@@ -158,6 +158,12 @@ def _motion(blocks: Blocks) -> float:
     return float(away[0]) if away.size else np.inf
 
 
+def begin_of_vibration(blocks: Blocks) -> float | None:
+    """When a load ends or the last joint stops, s; None where neither happens."""
+    cut, stop = _cut(blocks), stop_of(blocks)
+    return cut if stop is None else stop
+
+
 def stop_of(blocks: Blocks) -> float | None:
     """When the last joint comes to rest, s; None where none moves."""
     away = _away(blocks, -1)
@@ -167,7 +173,7 @@ def stop_of(blocks: Blocks) -> float | None:
 def _away(blocks: Blocks, end: int) -> Array:
     """Times at which a joint is not where it is at the begin (0) or the end (-1) of the recording, (m,), s."""
     joints = blocks.log["joint/position"]
-    path = blocks.log["joint_command/position"] if "joint_command/position" in blocks.log else joints
+    path = blocks.log.signals.get("joint_command/position", joints)
     few = max(1, len(path.time) // 50)
     there = np.nanmean(path.values[:few] if end == 0 else path.values[-few:], axis=0)
     limit = STILL + 4 * np.nanstd(np.diff(path.values, axis=0), axis=0) / np.sqrt(2)

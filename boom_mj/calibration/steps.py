@@ -76,4 +76,3 @@ def _take(step: Step, features: Features, space: Space, start: Array, correction
     coordinates = start.copy()
     coordinates[free] = found.x * scale
     return coordinates
-

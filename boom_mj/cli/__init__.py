@@ -15,8 +15,9 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (generate, simulate, replay, validate, view, render, track, calibrate):
+for command in (generate, simulate, replay, validate, view, render, track):
     app.command(command.__name__.rpartition(".")[2])(command.command)
+app.command("calibrate", cls=gap.ManyHoldouts)(calibrate.command)
 app.add_typer(logs.app, name="logs")
 app.add_typer(gap.app, name="gap")
 

@@ -3,14 +3,18 @@
 import json
 import sys
 import time
+from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from boom_mj.cli.arguments import MachineFile, find_machine, machine_text, output_path
 from boom_mj.errors import InputError
 from boom_mj.logs import read_log, whole_file
+
+if TYPE_CHECKING:
+    from boom_mj.calibration import Plan
 
 
 def command(
@@ -24,6 +28,9 @@ def command(
     free: Annotated[
         list[str] | None, typer.Option(metavar="KIND", help="Parameters that may move; may be given several times.")
     ] = None,
+    holdout: Annotated[
+        list[Path] | None, typer.Option(metavar="LOGS...", help="Logs to validate by; nothing is learnt from them.")
+    ] = None,
     plan: Annotated[bool, typer.Option("--plan", help="Only say which experiment to record next.")] = False,
 ) -> None:
     """Fit masses, stiffness and damping to logs, with intervals; joint zero offsets are estimated along.
@@ -32,7 +39,16 @@ def command(
     cut, damping by decays -, then all recordings at once. What the logs cannot tell stays as the file has it, and is
     named.
     """
-    from boom_mj.calibration import KINDS, USUAL, calibrate, calibrated_text, document
+    from boom_mj.calibration import (
+        KINDS,
+        USUAL,
+        calibrate,
+        calibrated_text,
+        document,
+        plan_next,
+        validate,
+        validation_document,
+    )
 
     for path, suffix in ((html, ".html"), (output, ".toml")):
         if path is not None:
@@ -41,26 +57,46 @@ def command(
         if kind not in KINDS:
             raise InputError(f"--free {kind}: there are {', '.join(KINDS)}")
     boom = find_machine(machine)
-    for log in logs:
+    for log in (*logs, *(holdout or ())):
         if not log.exists():
             raise InputError(f"{log}: there is no such log")
-    recordings = [read_log(path) for path in logs]
+    recordings, unseen = [read_log(path) for path in logs], [read_log(path) for path in holdout or ()]
     began = time.perf_counter()
 
     def tell(line: str) -> None:
         print(f"{time.perf_counter() - began:6.1f} s  {line}", file=sys.stderr, flush=True)
 
     kinds, names = tuple(free or USUAL), [str(path) for path in logs]
+    if plan:
+        proposed = plan_next(boom, recordings, kinds, tell=tell)
+        answer = {"sentence": proposed.sentence, **asdict(proposed)}
+        _write(as_json, answer)
+        print(json.dumps(answer, indent=1) if as_json == "-" else _proposals(proposed))
+        return
     found = calibrate(boom, recordings, kinds, tell=tell)
-    answer = document(found, names)
-    text = json.dumps(answer, indent=1)
-    if as_json not in (None, "-"):
-        with whole_file(Path(str(as_json))) as stream:
-            stream.write(text.encode())
+    shown = validate(found, unseen)
+    answer = {**document(found, names), "validation": validation_document(shown)}
+    _write(as_json, answer)
     if output is not None:
         with whole_file(output) as stream:
             stream.write(calibrated_text(machine_text(machine), found).encode())
-    print(text if as_json == "-" else _summary(answer))
+    if html is not None:
+        from boom_mj.report import write_calibration
+
+        write_calibration(shown, names, html)
+    print(json.dumps(answer, indent=1) if as_json == "-" else _summary(answer))
+
+
+def _write(path: str | None, answer: dict[str, Any]) -> None:
+    if path not in (None, "-"):
+        with whole_file(Path(str(path))) as stream:
+            stream.write(json.dumps(answer, indent=1).encode())
+
+
+def _proposals(found: "Plan") -> str:
+    lines = [found.sentence, "", f"  {'experiment':34}{'s':>5}   {found.parameter} known to"]
+    lines += [f"  {p.experiment:34}{p.duration:5.0f}   {100 * p.after:.2g} %" for p in found.proposals]
+    return "\n".join(lines)
 
 
 def _summary(answer: dict[str, Any]) -> str:
@@ -78,5 +114,12 @@ def _summary(answer: dict[str, Any]) -> str:
     for one, other, value in known["correlated"][:5]:
         lines.append(f"  {one} and {other} are correlated by {value:+.3f}")
     gap = answer["gap"]
+    for row in answer["validation"]["experiments"]:
+        said = [
+            f"{what} {100 * row[key]['error']['uncalibrated']:+.2f} -> {100 * row[key]['error']['calibrated']:+.2f} %"
+            for what, key in (("fall", "fall_m"), ("first frequency", "frequency_hz"))
+            if key in row
+        ]
+        lines.append(f"  {row['name']}{' (held out)' if row['held_out'] else ''}: {', '.join(said)}")
     lines.append(f"  gap {gap['before']:.2f} -> {gap['after']:.2f} (floor 1)")
     return "\n".join(lines)

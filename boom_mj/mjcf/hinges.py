@@ -85,7 +85,9 @@ def cell_edges(link: Link, count: int) -> Array:
 
 def _hinges(machine: Machine, index: int, axis: str, count: int) -> tuple[Hinge, ...]:
     link = machine.links[index]
-    curve: Shape | StaticCurve = _static_curves(machine, index)[axis] if count > 1 else ritz_shapes(machine)[index][axis]
+    curve: Shape | StaticCurve = (
+        _static_curves(machine, index)[axis] if count > 1 else ritz_shapes(machine)[index][axis]
+    )
     pin = link.support if axis == "v" and link.support is not None else -link.length
     stretch = np.hypot(1, link.offset / link.length) if machine.offset_profile.kind == "ramp" and count > 1 else 1.0
 

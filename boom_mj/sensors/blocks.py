@@ -1,7 +1,7 @@
 """Recordings as means over BLOCK seconds, all channels on one grid of times.
 
-The boom's first modes lie far below 1 / BLOCK, the noise falls, and what no model knows - the first milliseconds after a
-rope is cut - weighs less.
+The boom's first modes lie far below 1 / BLOCK, the noise falls, and what no model knows - the first milliseconds after
+a rope is cut - weighs less.
 """
 
 from collections.abc import Mapping
@@ -56,7 +56,9 @@ class Blocks:
         for name in dict.fromkeys(column.signal for column in self.columns):
             log = self.log[name]
             values = sample(signals[name], log.time - self.start)
-            parts.append(_means(log.time - self.start, np.where(np.isnan(log.values), np.nan, values), len(self.time))[0])
+            parts.append(
+                _means(log.time - self.start, np.where(np.isnan(log.values), np.nan, values), len(self.time))[0]
+            )
         return np.hstack(parts)
 
 
