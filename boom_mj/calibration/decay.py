@@ -22,6 +22,7 @@ class Decay:
         frequency: undamped, Hz, (m,).
         damping_ratio: (m,).
         frequency_deviation, damping_deviation: of their logarithms, (m,).
+        share: of the scatter about the constants that the modes take, 0 to 1.
         constant: where every channel comes to rest, (k,).
         constant_deviation: (k,).
     """
@@ -30,6 +31,7 @@ class Decay:
     damping_ratio: Array
     frequency_deviation: Array
     damping_deviation: Array
+    share: float
     constant: Array
     constant_deviation: Array
 
@@ -70,7 +72,8 @@ def fit_decay(time: Array, values: Array, noise: Array, expected: Array, damping
     error[whole] = scatter * level * np.sqrt(np.linalg.inv(basis.T @ basis)[0, 0])
     order = np.argsort(shape[:, 0])
     (frequency, ratio), errors = np.exp(shape[order].T), deviation.reshape(-1, 2)[order].T
-    return Decay(frequency, ratio, errors[0], errors[1], constant, error)
+    share = 1 - np.sum(left(shape) ** 2) / np.sum((white - white.mean(axis=0)) ** 2)
+    return Decay(frequency, ratio, errors[0], errors[1], float(share), constant, error)
 
 
 def _basis(time: Array, shape: Array) -> Array:

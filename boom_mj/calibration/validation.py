@@ -21,7 +21,7 @@ from boom_mj.sensors.blocks import Blocks
 from boom_mj.simulation import Plant, Trajectory, make_plant
 
 Array = np.ndarray
-TOLD = 0.01  # deviation of a logarithmic frequency, beyond which nothing vibrates
+SEEN = 0.5  # share of the scatter after a stop that modes must take to count as a vibration
 MACHINES = ("uncalibrated", "calibrated")
 
 
@@ -179,7 +179,7 @@ def _stop(plant: Plant, index: int, blocks: Blocks, twins: tuple[Twin, Twin]) ->
         for b in (blocks, *(twin.blocks for twin in twins))
     ]
     first = [int(np.argmin(np.abs(np.log(fit.frequency / expected[0])))) for fit in fits]
-    if fits[0].frequency_deviation[first[0]] > TOLD:
+    if fits[0].share < SEEN:
         return None
     return Comparison(
         name=blocks.log.name,

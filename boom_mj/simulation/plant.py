@@ -132,7 +132,7 @@ class Plant:
             # downhill along every axis, a pendulum that stands on its head included
             step = direction @ ((direction.T @ missing) / np.maximum(np.abs(curvature), FLOPPY))
             before, longest = longest, float(np.max(np.abs(step)))
-            qpos[self.elastic] -= step * min(1.0, LONGEST_STEP / longest)
+            qpos[self.elastic] -= step * LONGEST_STEP / max(longest, LONGEST_STEP)
             if longest < 1e-11:
                 return qpos
             slow = longest > min(SHRINKING * before, NEAR)
