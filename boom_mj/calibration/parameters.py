@@ -119,28 +119,30 @@ class Space:
     Attributes:
         machine: whose numbers are scaled.
         knobs: in the order of the coordinates.
+        joints: whose zero offsets are free: all, or none.
     """
 
     machine: Machine
     knobs: tuple[Knob, ...]
+    joints: int = JOINTS
 
     @property
     def size(self) -> int:
-        return len(self.knobs) + JOINTS
+        return len(self.knobs) + self.joints
 
     @property
     def names(self) -> tuple[str, ...]:
-        return (*(knob.name for knob in self.knobs), *(f"joint{k + 1}.zero_offset" for k in range(JOINTS)))
+        return (*(knob.name for knob in self.knobs), *(f"joint{k + 1}.zero_offset" for k in range(self.joints)))
 
     @property
     def kinds(self) -> tuple[str, ...]:
         """Kind of every coordinate."""
-        return (*(knob.kind for knob in self.knobs), *("zero_offset",) * JOINTS)
+        return (*(knob.kind for knob in self.knobs), *("zero_offset",) * self.joints)
 
     @property
     def steps(self) -> Array:
         """Secant steps, (size,)."""
-        return np.array([STEP] * len(self.knobs) + [OFFSET_STEP] * JOINTS)
+        return np.array([STEP] * len(self.knobs) + [OFFSET_STEP] * self.joints)
 
     @property
     def bounds(self) -> tuple[Array, Array]:
@@ -149,7 +151,7 @@ class Space:
         for knob in self.knobs:
             low, high = zip(*(parameter.bounds(self.machine) for parameter in knob.parameters))
             ends.append((np.log(max(low)), np.log(min(high))))
-        low, high = np.array([*ends, *((-OFFSET, OFFSET),) * JOINTS]).T
+        low, high = np.array([*ends, *((-OFFSET, OFFSET),) * self.joints]).T
         return low, high
 
     def at(self, coordinates: Array) -> Setting:
@@ -158,7 +160,8 @@ class Space:
         for knob, coordinate in zip(self.knobs, coordinates):
             for parameter in knob.parameters:
                 machine = parameter.scaled(machine, float(np.exp(coordinate)))
-        return Setting(machine, tuple(float(value) for value in coordinates[len(self.knobs) :]))
+        offsets = (*map(float, coordinates[len(self.knobs) :]), *(0.0,) * (JOINTS - self.joints))
+        return Setting(machine, offsets)
 
     def subset(self, kinds: Sequence[str]) -> list[int]:
         """Coordinates of the knobs of some kinds."""
@@ -170,7 +173,7 @@ class Space:
         for column, knob in enumerate(self.knobs):
             for row, fine in enumerate(finer.knobs):
                 matrix[row, column] = set(fine.parameters) <= set(knob.parameters)
-        matrix[-JOINTS:, -JOINTS:] = np.eye(JOINTS)
+        matrix[len(finer.knobs) :, len(self.knobs) :] = np.eye(self.joints)
         return matrix
 
     def joined(self, first: int, second: int) -> "Space":

@@ -16,7 +16,7 @@ from boom_mj.calibration.parameters import OFFSET, Space
 
 Array = np.ndarray
 NEAR = 0.05  # of a logarithm, within which sensitivities stay
-EVALUATIONS, ENOUGH = 12, 1e-5  # of the refinement; relative fall of the cost at which it ends
+EVALUATIONS, ENOUGH = 15, 0.03  # of the refinement; fall of the cost at which it ends: one deviation is a fall of 0.5
 FAILED = 1e3  # whitened residual of a simulation that left the numbers
 WINDOW = 5.0  # s, over which residuals may be correlated
 SYSTEMATIC = 0.5  # share of what the hinges' extrapolation moves that may be wrong
@@ -72,26 +72,31 @@ def refine(
         tell: hears one line per prediction.
     """
     finer, weight = evidence.fidelity(space.at(start))
-    kept = {} if known is None else {"at": start, "jacobian": known}
+    secants = _Secants(evidence, space, weight, start, known)
 
     def residual(coordinates: Array) -> Array:
         (prediction,) = evidence.predict([space.at(coordinates)], HINGES)
         white = (evidence.measured - prediction - finer) * weight
         white = np.where(weight > 0, np.where(np.isfinite(white), white, FAILED), 0.0)
         tell(f"gap {np.sqrt(np.mean(white[evidence.used] ** 2)):.3f}")
+        secants.hear(coordinates, white)
         return white
-
-    def jacobian(coordinates: Array) -> Array:
-        if not kept or np.max(np.abs(coordinates - kept["at"])) > NEAR:
-            kept.update(at=coordinates.copy(), jacobian=sensitivities(evidence, space, coordinates, weight))
-        return -kept["jacobian"]
 
     low, high = space.bounds
     begin = np.clip(start, low + 1e-9, high - 1e-9)
     found = least_squares(
-        residual, begin, jacobian, (low, high), x_scale="jac", ftol=ENOUGH, xtol=1e-7, gtol=None, max_nfev=EVALUATIONS
+        residual,
+        begin,
+        lambda coordinates: -secants.at(coordinates),
+        (low, high),
+        x_scale="jac",
+        ftol=2 * ENOUGH / np.count_nonzero(evidence.used),
+        xtol=1e-7,
+        gtol=None,
+        max_nfev=EVALUATIONS,
     )
-    deviation, systematic = deviations(evidence, space, -found.jac, found.fun, finer * weight)
+    jacobian = secants.exact
+    deviation, systematic = deviations(evidence, space, jacobian, found.fun, finer * weight)
     close = np.minimum(found.x - low, high - found.x) < 1e-3 * np.minimum(1.0, (high - low) / OFFSET)
     return Refined(
         space=space,
@@ -99,11 +104,39 @@ def refine(
         deviation=deviation,
         systematic=systematic,
         residual=found.fun,
-        jacobian=-found.jac,
+        jacobian=jacobian,
         weight=weight,
         at_bound=tuple(name for name, there in zip(space.names, close) if there),
         status=found.message,
     )
+
+
+class _Secants:
+    """Sensitivities that are taken anew where coordinates have moved far, and follow by Broyden's update where not."""
+
+    def __init__(self, evidence: Evidence, space: Space, weight: Array, at: Array, known: Array | None):
+        self._evidence, self._space, self._weight = evidence, space, weight
+        self.exact = sensitivities(evidence, space, at, weight) if known is None else known
+        self._at, self._updated = at, self.exact
+        self._last: tuple[Array, Array] | None = None
+        self._heard: tuple[Array, Array] | None = None
+
+    def hear(self, coordinates: Array, residual: Array) -> None:
+        """The residual at coordinates that were tried."""
+        self._heard = coordinates.copy(), residual
+
+    def at(self, coordinates: Array) -> Array:
+        """d prediction / d coordinate at coordinates whose residual was heard last, (N, p)."""
+        if np.max(np.abs(coordinates - self._at)) > NEAR:
+            self.exact = self._updated = sensitivities(self._evidence, self._space, coordinates, self._weight)
+            self._at = coordinates.copy()
+        elif self._last is not None and self._heard is not None:
+            moved = coordinates - self._last[0]
+            scaled = moved * np.sum(self.exact**2, axis=0)
+            miss = self._last[1] - self._heard[1] - self._updated @ moved
+            self._updated = self._updated + np.outer(miss, scaled / max(float(scaled @ moved), 1e-300))
+        self._last = self._heard
+        return self._updated
 
 
 def deviations(evidence: Evidence, space: Space, jacobian: Array, residual: Array, finer: Array) -> tuple[Array, Array]:

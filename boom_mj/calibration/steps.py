@@ -12,7 +12,7 @@ from scipy.optimize import least_squares
 
 from boom_mj.calibration.evidence import COARSE
 from boom_mj.calibration.features import Features, Values
-from boom_mj.calibration.parameters import JOINTS, STIFFNESS, Space
+from boom_mj.calibration.parameters import STIFFNESS, Space
 
 Array = np.ndarray
 TRIALS = 5  # evaluations of a step, secants not counted
@@ -47,19 +47,19 @@ def approach(features: Features, space: Space, tell: Callable[[str], None] = lam
     for step in STEPS:
         before = coordinates
         coordinates = _take(step, features, space, coordinates, correction)
-        moved = np.exp(np.max(np.abs((coordinates - before)[:-JOINTS]), initial=0.0)) - 1
+        moved = np.exp(np.max(np.abs((coordinates - before)[: len(space.knobs)]), initial=0.0)) - 1
         tell(f"{step.name} by {', '.join(step.told_by)}: moved by {moved:.1%} at most")
     return coordinates
 
 
 def _take(step: Step, features: Features, space: Space, start: Array, correction: Values) -> Array:
-    free = [*space.subset(step.moves), *(range(space.size - JOINTS, space.size) if step.offsets else ())]
+    free = [*space.subset(step.moves), *(range(len(space.knobs), space.size) if step.offsets else ())]
     measured = np.concatenate([features.measured[kind] for kind in step.told_by])
     deviation = np.concatenate([features.deviation[kind] for kind in step.told_by])
     seen = np.isfinite(measured)
     if not free or not seen.any():
         return start
-    scale = np.where(np.array(free) < space.size - JOINTS, PRIOR, PRIOR_OFFSET)
+    scale = np.where(np.array(free) < len(space.knobs), PRIOR, PRIOR_OFFSET)
     low, high = (bound[free] / scale for bound in space.bounds)
 
     def residual(shares: Array) -> Array:
