@@ -20,7 +20,7 @@ from boom_mj.machine import Machine
 from boom_mj.mjcf import build
 from boom_mj.recording import Recording
 from boom_mj.sensors import driving_angles, ideal_signals, noise_levels, sample, true_angles
-from boom_mj.sensors.blocks import Blocks, blocks_of
+from boom_mj.sensors.blocks import blocks_of
 from boom_mj.simulation import Plant, Trajectory, run, step_times
 from boom_mj.simulation.plant import with_effects
 
@@ -48,7 +48,7 @@ class Evidence:
     def __init__(self, machine: Machine, recordings: Sequence[Recording], threads: int | None = None):
         if not recordings:
             raise LogError("a calibration needs at least one recording")
-        self.blocks = tuple(_compared(blocks_of(machine, log)) for log in recordings)
+        self.blocks = tuple(blocks_of(machine, log) for log in recordings)
         self.measured = np.concatenate([b.mean.ravel() for b in self.blocks])  # (N,)
         self.noise = np.concatenate([b.noise.ravel() for b in self.blocks])
         self.used = np.isfinite(self.measured)
@@ -132,9 +132,3 @@ class Evidence:
             size[part] = maximum_filter1d(shaped, 2 * REACH + 1, axis=0, mode="nearest").ravel()
         weight = np.where(self.used, 1 / np.sqrt(self.noise**2 + (LEFT * size) ** 2), 0.0)
         return change, weight
-
-
-def _compared(blocks: Blocks) -> Blocks:
-    if not np.isfinite(blocks.mean).any():
-        raise LogError(f"log {blocks.log.name!r} has nothing to compare with a model but its joint angles")
-    return blocks

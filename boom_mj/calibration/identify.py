@@ -55,7 +55,7 @@ def identify(jacobian: Array, space: Space) -> Identifiability:
     alike = spread / np.outer(deviation, deviation)
     pairs = [(space.names[i], space.names[k], float(alike[i, k])) for i in range(space.size) for k in range(i)]
     size, direction = np.linalg.eigh(spread[:knobs, :knobs])  # zero offsets follow freely
-    free = np.flatnonzero(np.sqrt(size) > NULL)
+    free = np.flatnonzero(size > NULL**2)
     length = np.linalg.norm(jacobian, axis=0)
     told = jacobian[:, length > 0] / length[length > 0]
     return Identifiability(

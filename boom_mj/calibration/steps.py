@@ -15,7 +15,7 @@ from boom_mj.calibration.features import Features, Values
 from boom_mj.calibration.parameters import STIFFNESS, Space
 
 Array = np.ndarray
-TRIALS = 5  # evaluations of a step, secants not counted
+TRIALS = 3  # evaluations of a step, secants not counted
 PRIOR, PRIOR_OFFSET = 0.2, 0.01  # deviations of a logarithm and of a zero offset, rad: what features do not tell stays
 
 

@@ -9,9 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from boom_mj.errors import LogError
 from boom_mj.machine import Machine
 from boom_mj.recording import Recording, Signal
 from boom_mj.sensors.measure import noise_levels, sample
+from boom_mj.sensors.replay import check_drivable
 
 Array = np.ndarray
 BLOCK = 0.1  # s
@@ -63,7 +65,12 @@ class Blocks:
 
 
 def blocks_of(machine: Machine, log: Recording) -> Blocks:
-    """Block means of a recording, with the noise that the machine file tells, or its own where that is larger."""
+    """Block means of a recording, with the noise that the machine file tells, or its own where that is larger.
+
+    Raises:
+        LogError: the joint angles cannot drive a model, or there is nothing else.
+    """
+    check_drivable(log)
     joints = log["joint/position"]
     duration = joints.time[-1] - joints.time[0]
     rows = int(np.floor(duration / BLOCK + 1e-6)) + 1
@@ -77,6 +84,8 @@ def blocks_of(machine: Machine, log: Recording) -> Blocks:
         means.append(mean)
         noises.append(np.maximum(level, own) / np.sqrt(np.maximum(count, 1)))
         columns += [Column(name, k, group_of(name, signal, k), signal.unit) for k in range(mean.shape[1])]
+    if not any(np.isfinite(mean).any() for mean in means):
+        raise LogError(f"log {log.name!r} has nothing to compare with a model but its joint angles")
     time = (np.arange(rows) + 0.5) * BLOCK
     return Blocks(log, tuple(columns), time, np.hstack(means), np.hstack(noises))
 
