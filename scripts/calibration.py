@@ -1,6 +1,7 @@
 """Planted truth: machines about boom36 that are calibrated from their own noisy recordings. Prints the table.
 
-python scripts/calibration.py FOLDER [--machines 50] [--workers 1] [--tracked EXPERIMENT ...] [--table FILE.md]
+python scripts/calibration.py FOLDER [--machines 50] [--workers 1] [--table FILE.md]
+                              [--tracked EXPERIMENT ... [--filmed FROM TO EVERY SCALE]]
 
 Stiffness +-20 %, masses +-10 %, damping x 0.5 to 2, zero offsets of joints +-0.3 deg, all drawn evenly; the paper's
 experiments with six hinges per coordinate and sensor noise; calibrated with two to four. Every machine leaves a file in
@@ -37,7 +38,7 @@ SPREAD = {"mass": 0.1, **dict.fromkeys(STIFFNESS, 0.2)}  # half widths of factor
 DAMPING, OFFSET_DEG = (0.5, 2.0), 0.3
 GOALS = {"mass": 0.01, **dict.fromkeys(STIFFNESS, 0.01), "damping": 0.05}
 SURE = 1.96
-FILMED = ("--start", "4", "--stop", "14", "--every", "4")  # of an experiment whose markers are tracked
+FILMED = ("4", "14", "4", "1")  # first and last second, every so many frames, scale: of a tracked experiment
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,8 @@ class Order:
 
     folder: Path
     number: int
-    tracked: tuple[str, ...]
+    tracked: tuple[str, ...] = ()
+    filmed: tuple[str, ...] = FILMED
 
     @property
     def file(self) -> Path:
@@ -82,7 +84,8 @@ def with_tracked_markers(log: Recording, truth: Setting, order: Order) -> Record
         machine.write_text(truth_text(truth))
         write_mcap(log, source)
         boom = [sys.executable, "-m", "boom_mj"]
-        shown = ["--machine", machine, "--hinges", HINGES, "--jpeg", 90, "--workers", 1, *FILMED]
+        filmed = [word for pair in zip(("--start", "--stop", "--every", "--scale"), order.filmed) for word in pair]
+        shown = ["--machine", machine, "--hinges", HINGES, "--jpeg", 90, "--workers", 1, *filmed]
         for line in (["render", source, "-o", work / "pictures", *shown], ["track", work / "pictures", "-o", markers]):
             subprocess.run([*boom, *map(str, line)], check=True, cwd=ROOT, stdout=subprocess.DEVNULL)
     return log.with_signals({"markers": read_mcap(markers)["markers"]})
@@ -157,10 +160,13 @@ def main() -> None:
     parser.add_argument("--machines", type=int, default=50)
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--tracked", nargs="*", default=(), choices=[plan.name for plan in PAPER])
+    parser.add_argument("--filmed", nargs=4, default=FILMED, metavar=("FROM", "TO", "EVERY", "SCALE"))
     parser.add_argument("--table", type=Path)
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
-    orders = [Order(given.folder, number, tuple(given.tracked)) for number in range(given.machines)]
+    orders = [
+        Order(given.folder, number, tuple(given.tracked), tuple(given.filmed)) for number in range(given.machines)
+    ]
     missing = [order for order in orders if not order.file.exists()]
     began = time.monotonic()
     with ProcessPoolExecutor(given.workers) as pool:

@@ -39,7 +39,7 @@ def main() -> None:
         print(f"{time.perf_counter() - began:6.1f} s  {line}", file=sys.stderr, flush=True)
 
     truth = make_space(NOMINAL).at(draw(make_space(NOMINAL), np.random.default_rng(given.machine)))
-    logs = recordings(truth, Order(Path(), given.machine, ()))
+    logs = recordings(truth, Order(Path(), given.machine))
     tell("the paper's experiments are recorded")
     motion = run_experiment(make_plant(truth.machine, HINGES, [truth.sensor]), FOLD_IN)
     fold_in = record(motion, FOLD_IN, np.random.default_rng([given.machine, len(logs)]))

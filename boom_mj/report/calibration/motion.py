@@ -11,7 +11,7 @@ from boom_mj.report.diagnosis.section import Section
 
 Array = np.ndarray
 WIDTH = 1080
-SHADES = ("#222222", "#d55e00", "#0072b2", "#009e73", "#cc79a7")  # joints or links, told apart by their order
+SHADES = ("#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#5b6270")  # joints, links, axes: none is a machine's colour
 
 
 def section(shown: Validation) -> Section | None:
