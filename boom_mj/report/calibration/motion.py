@@ -1,5 +1,7 @@
 """The longest motion: the tip's path, its position error, joint angles and elastic coordinates."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -11,6 +13,7 @@ from boom_mj.report.diagnosis.section import Section
 
 Array = np.ndarray
 WIDTH = 1080
+ABOVE: Any = {"frameon": False, "loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "borderaxespad": 0.0}  # a legend
 SHADES = ("#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#5b6270")  # joints, links, axes: none is a machine's colour
 
 
@@ -32,7 +35,7 @@ def section(shown: Validation) -> Section | None:
                 upper.plot(*envelope(tip.time, tip.values[0]), color=colour, lw=2.4, alpha=0.35)
                 upper.plot(*envelope(tip.time, tip.values[2]), color=colour, lw=1.0, label=name)
             upper.set_ylabel("marker 12, m\nwide: measured")
-            upper.legend(frameon=False, ncols=3)
+            upper.legend(**ABOVE, ncols=3)
             for values, (colour, width) in zip(miss, LINES):
                 lower.plot(*envelope(there[0].time, 100 * values), color=colour, lw=width)
             lower.set_ylabel("position error, cm")
@@ -63,8 +66,8 @@ def section(shown: Validation) -> Section | None:
                 )
             axes.set_ylabel(label)
         panels[0, 0].set_ylabel("joint angles, deg")
-        panels[0, 0].legend(frameon=False, ncols=5)
-        panels[0, 1].legend(frameon=False, ncols=4)
+        panels[0, 0].legend(**ABOVE, ncols=5)
+        panels[0, 1].legend(**ABOVE, ncols=4)
         for axes in panels.ravel():
             axes.grid(axis="y")
         for axes in panels[1]:
