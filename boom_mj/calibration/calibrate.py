@@ -11,7 +11,7 @@ from boom_mj.calibration.evidence import Evidence
 from boom_mj.calibration.features import Features, features_of
 from boom_mj.calibration.identify import Identifiability, identify, simplify
 from boom_mj.calibration.parameters import JOINTS, USUAL, Setting, Space, make_space
-from boom_mj.calibration.refine import Refined, refine, sensitivities
+from boom_mj.calibration.refine import ROUGH, Refined, refine, sensitivities
 from boom_mj.calibration.steps import approach
 from boom_mj.errors import LogError
 from boom_mj.machine import Machine
@@ -102,7 +102,9 @@ def calibrate(
             raise LogError(f"these recordings tell nothing of {', '.join(kinds)}")
         gathering = space.gathering(whole)
         share = gathering / gathering.sum(axis=0)
-        refined = refine(evidence, space, share.T @ begin, jacobian @ gathering, tell)
+        refined = refine(evidence, space, share.T @ begin, (jacobian @ gathering, weight), ROUGH, tell)
+        tell("again, with the model's own error taken where that has led")
+        refined = refine(evidence, space, refined.coordinates, (refined.jacobian, refined.weight), tell=tell)
         found = Calibration(
             machine, evidence, whole, identified, given_up, features, begin, refined, perf_counter() - began
         )

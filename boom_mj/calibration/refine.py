@@ -16,7 +16,11 @@ from boom_mj.calibration.parameters import OFFSET, Space
 
 Array = np.ndarray
 NEAR = 0.05  # of a logarithm, within which sensitivities stay
-EVALUATIONS, ENOUGH = 15, 0.03  # of the refinement; fall of the cost at which it ends: one deviation is a fall of 0.5
+EVALUATIONS, ENOUGH, ROUGH = (
+    15,
+    0.03,
+    3.0,
+)  # of the refinement; fall of the cost at which it ends: one deviation is a fall of 0.5
 FAILED = 1e3  # whitened residual of a simulation that left the numbers
 WINDOW = 5.0  # s, over which residuals may be correlated
 SYSTEMATIC = 0.5  # share of what the hinges' extrapolation moves that may be wrong
@@ -61,18 +65,21 @@ def refine(
     evidence: Evidence,
     space: Space,
     start: Array,
-    known: Array | None = None,
+    known: tuple[Array, Array] | None = None,
+    enough: float = ENOUGH,
     tell: Callable[[str], None] = lambda line: None,
 ) -> Refined:
     """Fit all coordinates to all recordings.
 
     Args:
         start: coordinates, (p,).
-        known: sensitivities there, (N, p), if they are known already.
+        known: sensitivities there, (N, p), and the weight that they were whitened with, (N,), where they are known.
+        enough: fall of the cost at which it ends.
         tell: hears one line per prediction.
     """
     finer, weight = evidence.fidelity(space.at(start))
-    secants = _Secants(evidence, space, weight, start, known)
+    first = None if known is None else known[0] * (weight / np.where(known[1] > 0, known[1], 1.0))[:, None]
+    secants = _Secants(evidence, space, weight, start, first)
 
     def residual(coordinates: Array) -> Array:
         (prediction,) = evidence.predict([space.at(coordinates)], HINGES)
@@ -90,7 +97,7 @@ def refine(
         lambda coordinates: -secants.at(coordinates),
         (low, high),
         x_scale="jac",
-        ftol=2 * ENOUGH / np.count_nonzero(evidence.used),
+        ftol=2 * enough / np.count_nonzero(evidence.used),
         xtol=1e-7,
         gtol=None,
         max_nfev=EVALUATIONS,
