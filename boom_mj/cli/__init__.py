@@ -6,7 +6,7 @@ from typing import Any
 
 import typer
 
-from boom_mj.cli import gap, generate, logs, render, replay, simulate, track, validate, view
+from boom_mj.cli import calibrate, gap, generate, logs, render, replay, simulate, track, validate, view
 from boom_mj.errors import BoomError, InputError, LogWarning
 
 app = typer.Typer(
@@ -17,6 +17,7 @@ app = typer.Typer(
 )
 for command in (generate, simulate, replay, validate, view, render, track):
     app.command(command.__name__.rpartition(".")[2])(command.command)
+app.command("calibrate", cls=gap.ManyHoldouts)(calibrate.command)
 app.add_typer(logs.app, name="logs")
 app.add_typer(gap.app, name="gap")
 

@@ -85,9 +85,9 @@ def cell_edges(link: Link, count: int) -> Array:
 
 def _hinges(machine: Machine, index: int, axis: str, count: int) -> tuple[Hinge, ...]:
     link = machine.links[index]
-    curve: Shape | StaticCurve = ritz_shapes(machine)[index][axis]
-    if count > 1:
-        curve = _static_curves(machine, index)[axis]
+    curve: Shape | StaticCurve = (
+        _static_curves(machine, index)[axis] if count > 1 else ritz_shapes(machine)[index][axis]
+    )
     pin = link.support if axis == "v" and link.support is not None else -link.length
     stretch = np.hypot(1, link.offset / link.length) if machine.offset_profile.kind == "ramp" and count > 1 else 1.0
 
@@ -124,6 +124,8 @@ def _line_dissipation(machine: Machine, index: int, axis: str) -> float:
     link, damping = machine.links[index], machine.damping
     x, weight = sections.gauss_points(link)
     density = damping.torsion if axis == "torsion" else damping.bending
+    if density == 0:
+        return 0.0  # spares the shapes
     return density * float(weight @ ritz_shapes(machine)[index][axis](x) ** 2)
 
 

@@ -10,6 +10,7 @@ from boom_mj.sensors.measure import sample_rates as sample_rates
 from boom_mj.sensors.measure import true_angles as true_angles
 from boom_mj.sensors.replay import Group as Group
 from boom_mj.sensors.replay import Replay as Replay
+from boom_mj.sensors.replay import check_drivable as check_drivable
 from boom_mj.sensors.replay import compare as compare
 from boom_mj.sensors.replay import driving_angles as driving_angles
 from boom_mj.sensors.replay import replay as replay

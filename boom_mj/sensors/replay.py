@@ -52,12 +52,8 @@ def replay(plant: Plant, log: Recording) -> Replay:
     Raises:
         LogError: the log has no joint angles, too few of them, or holes in them.
     """
+    check_drivable(log)
     joints = log["joint/position"]
-    holes = ~np.isfinite(joints.values)
-    if len(joints.time) < 20 or holes.any():
-        row, column = np.argwhere(holes)[0] if holes.any() else (0, 0)
-        what = f"{joints.channels[column]} is not a number at {joints.time[row]:.3f} s" if holes.any() else "too short"
-        raise LogError(f"log {log.name!r}: the joint angles cannot drive the model: {what}")
     start, noise = joints.time[0], noise_levels(plant.machine)
     steps = step_times(plant, joints.time[-1] - start)
     angles = true_angles(plant.effects, driving_angles(log, noise["joint/position"][0], steps + start))
@@ -74,6 +70,16 @@ def replay(plant: Plant, log: Recording) -> Replay:
     }
     recording = Recording(log.name, plant.machine.name, f"simulated twin: {log.description}", twin)
     return Replay(log, recording, trajectory, compare(log, recording, noise), wall)
+
+
+def check_drivable(log: Recording) -> None:
+    """Raises LogError where the joint angles of a log cannot drive a model: too few, or holes in them."""
+    joints = log["joint/position"]
+    holes = ~np.isfinite(joints.values)
+    if len(joints.time) < 20 or holes.any():
+        row, column = np.argwhere(holes)[0] if holes.any() else (0, 0)
+        what = f"{joints.channels[column]} is not a number at {joints.time[row]:.3f} s" if holes.any() else "too short"
+        raise LogError(f"log {log.name!r}: the joint angles cannot drive the model: {what}")
 
 
 def driving_angles(log: Recording, noise: float, at: Array) -> Array:

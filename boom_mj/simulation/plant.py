@@ -87,6 +87,11 @@ class Plant:
         """World position of the boom's tip, (3,), m."""
         return self.at(qpos).site("tip").xpos.copy()
 
+    def markers(self, qpos: Array) -> Array:
+        """World positions of the markers, (m, 3), m."""
+        data, count = self._at(qpos), len(self.machine.links) * len(self.machine.sensors.markers_x)
+        return np.array([data.site(f"marker{k + 1}").xpos for k in range(count)])
+
     def rest_force(self, qpos: Array, loads: Mapping[str, Array]) -> Array:
         """What is missing for rest at qpos: weight less springs less the forces on sites, per coordinate, (nv,)."""
         data, jacobian = self.at(qpos), np.zeros((3, self.model.nv))
@@ -127,7 +132,7 @@ class Plant:
             # downhill along every axis, a pendulum that stands on its head included
             step = direction @ ((direction.T @ missing) / np.maximum(np.abs(curvature), FLOPPY))
             before, longest = longest, float(np.max(np.abs(step)))
-            qpos[self.elastic] -= step * min(1.0, LONGEST_STEP / longest)
+            qpos[self.elastic] -= step * LONGEST_STEP / max(longest, LONGEST_STEP)
             if longest < 1e-11:
                 return qpos
             slow = longest > min(SHRINKING * before, NEAR)

@@ -1,0 +1,112 @@
+"""From recordings to a calibrated machine: steps, what the data tell apart, refinement."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from boom_mj.calibration.evidence import Evidence
+from boom_mj.calibration.features import Features, features_of
+from boom_mj.calibration.identify import Identifiability, identify, simplify
+from boom_mj.calibration.parameters import JOINTS, USUAL, Setting, Space, make_space
+from boom_mj.calibration.refine import ROUGH, Refined, refine, sensitivities
+from boom_mj.calibration.steps import approach
+from boom_mj.errors import LogError
+from boom_mj.machine import Machine
+from boom_mj.recording import Recording
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """What was found.
+
+    Attributes:
+        machine: as the file had it.
+        whole: the space of all parameters that were asked for.
+        identified: what the data tell of them.
+        given_up: sentences about parameters that are held or joined.
+        features: at rest and in decays.
+        begin: coordinates after the three steps, in `whole`.
+        refined: of the coordinates that are left.
+        duration: wall time, s.
+    """
+
+    machine: Machine
+    evidence: Evidence
+    whole: Space
+    identified: Identifiability
+    given_up: tuple[str, ...]
+    features: Features
+    begin: Array
+    refined: Refined
+    duration: float
+
+    @property
+    def setting(self) -> Setting:
+        """The calibrated machine and the zero offsets."""
+        return self.refined.space.at(self.refined.coordinates)
+
+    @property
+    def nominal(self) -> Setting:
+        """The machine as its file has it, with the zero offsets that were found."""
+        return Setting(self.machine, self.setting.offsets)
+
+    @property
+    def coordinates(self) -> Array:
+        """In the whole space, (whole.size,)."""
+        return self.refined.space.gathering(self.whole) @ self.refined.coordinates
+
+    @property
+    def deviation(self) -> Array:
+        """Of every coordinate of the whole space; NaN where one is held, (whole.size,)."""
+        gathering = self.refined.space.gathering(self.whole)
+        return np.where(gathering.any(axis=1), gathering @ self.refined.deviation, np.nan)
+
+
+def calibrate(
+    machine: Machine,
+    recordings: Sequence[Recording],
+    kinds: Sequence[str] = USUAL,
+    threads: int | None = None,
+    tell: Callable[[str], None] = lambda line: None,
+) -> Calibration:
+    """Calibrate a machine on recordings.
+
+    Args:
+        kinds: parameters that may move.
+        threads: simulations at a time.
+        tell: hears one line per stage.
+
+    Raises:
+        LogError: the recordings tell nothing of these parameters.
+    """
+    with threadpool_limits(1):  # simulations have the cores
+        began = perf_counter()
+        whole = make_space(machine, kinds)
+        evidence = Evidence(machine, recordings, threads)
+        features = features_of(evidence, Setting(machine))
+        tell(f"{len(features.rests)} rests and {len(features.releases)} releases in {len(recordings)} recordings")
+        begin = approach(features, whole, tell)
+        tell(f"sensitivities of {len(whole.knobs)} parameters and {JOINTS} zero offsets")
+        weight = evidence.fidelity(whole.at(begin))[1]
+        jacobian = sensitivities(evidence, whole, begin, weight)
+        identified = identify(jacobian, whole)
+        space, given_up = simplify(jacobian, whole)
+        for sentence in given_up:
+            tell(sentence)
+        if not space.knobs:
+            raise LogError(f"these recordings tell nothing of {', '.join(kinds)}")
+        gathering = space.gathering(whole)
+        share = gathering / gathering.sum(axis=0)
+        refined = refine(evidence, space, share.T @ begin, (jacobian @ gathering, weight), ROUGH, tell)
+        tell("again, with the model's own error taken where that has led")
+        refined = refine(evidence, space, refined.coordinates, (refined.jacobian, refined.weight), tell=tell)
+        found = Calibration(
+            machine, evidence, whole, identified, given_up, features, begin, refined, perf_counter() - began
+        )
+        tell(f"done in {found.duration:.0f} s, {evidence.simulated_s:.0f} s simulated: {refined.status}")
+        return found

@@ -1,0 +1,168 @@
+"""The joint refinement: all recordings, all coordinates at once, by scipy's trust-region least squares.
+
+Residuals are whitened: measured less predicted less what finer hinges would add, over noise and model error.
+Predictions have HINGES; their sensitivities are secants with COARSE hinges, and stay while the coordinates do.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from boom_mj.calibration.evidence import COARSE, HINGES, PACE, Evidence
+from boom_mj.calibration.identify import covariance
+from boom_mj.calibration.parameters import OFFSET, Space
+
+Array = np.ndarray
+NEAR = 0.05  # of a logarithm, within which sensitivities stay
+EVALUATIONS, ENOUGH, ROUGH = (
+    15,
+    0.03,
+    3.0,
+)  # of the refinement; fall of the cost at which it ends: one deviation is a fall of 0.5
+FAILED = 1e3  # whitened residual of a simulation that left the numbers
+WINDOW = 5.0  # s, over which residuals may be correlated
+SYSTEMATIC = 0.5  # share of what the hinges' extrapolation moves that may be wrong
+
+
+@dataclass(frozen=True, eq=False)
+class Refined:
+    """Coordinates at their best, and how sure they are.
+
+    Attributes:
+        space: of the coordinates.
+        coordinates: (p,).
+        deviation: standard deviations, (p,).
+        systematic: their part that comes from the number of hinges, (p,).
+        residual: whitened, (N,).
+        jacobian: whitened sensitivities, (N, p).
+        weight: 1 / deviation of every entry, (N,).
+        at_bound: names of coordinates that stopped at a bound.
+        status: how the search ended.
+    """
+
+    space: Space
+    coordinates: Array
+    deviation: Array
+    systematic: Array
+    residual: Array
+    jacobian: Array
+    weight: Array
+    at_bound: tuple[str, ...]
+    status: str
+
+
+def sensitivities(evidence: Evidence, space: Space, coordinates: Array, weight: Array) -> Array:
+    """Whitened d prediction / d coordinate, (N, size), by secants with COARSE hinges."""
+    steps = np.where(coordinates + space.steps <= space.bounds[1], space.steps, -space.steps)
+    points = [coordinates, *(coordinates + step * row for step, row in zip(steps, np.eye(space.size)))]
+    base, *moved = evidence.predict([space.at(point) for point in points], COARSE, PACE)
+    return np.stack([np.nan_to_num((m - base) / step) * weight for m, step in zip(moved, steps)], axis=1)
+
+
+def refine(
+    evidence: Evidence,
+    space: Space,
+    start: Array,
+    known: tuple[Array, Array] | None = None,
+    enough: float = ENOUGH,
+    tell: Callable[[str], None] = lambda line: None,
+) -> Refined:
+    """Fit all coordinates to all recordings.
+
+    Args:
+        start: coordinates, (p,).
+        known: sensitivities there, (N, p), and the weight that they were whitened with, (N,), where they are known.
+        enough: fall of the cost at which it ends.
+        tell: hears one line per prediction.
+    """
+    finer, weight = evidence.fidelity(space.at(start))
+    first = None if known is None else known[0] * (weight / np.where(known[1] > 0, known[1], 1.0))[:, None]
+    secants = _Secants(evidence, space, weight, start, first)
+
+    def residual(coordinates: Array) -> Array:
+        (prediction,) = evidence.predict([space.at(coordinates)], HINGES)
+        white = (evidence.measured - prediction - finer) * weight
+        white = np.where(weight > 0, np.where(np.isfinite(white), white, FAILED), 0.0)
+        tell(f"gap {np.sqrt(np.mean(white[evidence.used] ** 2)):.3f}")
+        secants.hear(coordinates, white)
+        return white
+
+    low, high = space.bounds
+    begin = np.clip(start, low + 1e-9, high - 1e-9)
+    found = least_squares(
+        residual,
+        begin,
+        lambda coordinates: -secants.at(coordinates),
+        (low, high),
+        x_scale="jac",
+        ftol=2 * enough / np.count_nonzero(evidence.used),
+        xtol=1e-7,
+        gtol=None,
+        max_nfev=EVALUATIONS,
+    )
+    jacobian = secants.exact
+    deviation, systematic = deviations(evidence, space, jacobian, found.fun, finer * weight)
+    close = np.minimum(found.x - low, high - found.x) < 1e-3 * np.minimum(1.0, (high - low) / OFFSET)
+    return Refined(
+        space=space,
+        coordinates=found.x,
+        deviation=deviation,
+        systematic=systematic,
+        residual=found.fun,
+        jacobian=jacobian,
+        weight=weight,
+        at_bound=tuple(name for name, there in zip(space.names, close) if there),
+        status=found.message,
+    )
+
+
+class _Secants:
+    """Sensitivities that are taken anew where coordinates have moved far, and follow by Broyden's update where not."""
+
+    def __init__(self, evidence: Evidence, space: Space, weight: Array, at: Array, known: Array | None):
+        self._evidence, self._space, self._weight = evidence, space, weight
+        self.exact = sensitivities(evidence, space, at, weight) if known is None else known
+        self._at, self._updated = at, self.exact
+        self._last: tuple[Array, Array] | None = None
+        self._heard: tuple[Array, Array] | None = None
+
+    def hear(self, coordinates: Array, residual: Array) -> None:
+        """The residual at coordinates that were tried."""
+        self._heard = coordinates.copy(), residual
+
+    def at(self, coordinates: Array) -> Array:
+        """d prediction / d coordinate at coordinates whose residual was heard last, (N, p)."""
+        if np.max(np.abs(coordinates - self._at)) > NEAR:
+            self.exact = self._updated = sensitivities(self._evidence, self._space, coordinates, self._weight)
+            self._at = coordinates.copy()
+        elif self._last is not None and self._heard is not None:
+            moved = coordinates - self._last[0]
+            scaled = moved * np.sum(self.exact**2, axis=0)
+            miss = self._last[1] - self._heard[1] - self._updated @ moved
+            self._updated = self._updated + np.outer(miss, scaled / max(float(scaled @ moved), 1e-300))
+        self._last = self._heard
+        return self._updated
+
+
+def deviations(evidence: Evidence, space: Space, jacobian: Array, residual: Array, finer: Array) -> tuple[Array, Array]:
+    """Standard deviations of the coordinates, and their part from the number of hinges, (p,) both.
+
+    H^-1 (sum g g^T) H^-1 with scores g summed over windows and over whole recordings, within which residuals are
+    correlated, or H^-1, whichever is largest; besides a share of what the extrapolated change `finer` moves, of the
+    coordinate itself or as the root mean square over its kind: one may vanish by chance.
+    """
+    inverse = covariance(jacobian)
+    score = jacobian * residual[:, None]
+    windows = (evidence.recording_of * (int(max(evidence.time) // WINDOW) + 1) + evidence.time // WINDOW).astype(int)
+    variances = [np.diag(inverse)]
+    for cluster in (windows, evidence.recording_of):
+        sums = np.stack([np.bincount(cluster, column) for column in score.T], axis=1)
+        variances.append(np.diag(inverse @ (sums.T @ sums) @ inverse))
+    moved = np.abs(inverse @ (jacobian.T @ np.nan_to_num(finer)))
+    for kind in set(space.kinds):
+        alike = np.array([other == kind for other in space.kinds])
+        moved[alike] = np.maximum(moved[alike], np.sqrt(np.mean(moved[alike] ** 2)))
+    systematic = SYSTEMATIC * moved
+    return np.sqrt(np.max(variances, axis=0) + systematic**2), systematic

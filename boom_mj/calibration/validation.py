@@ -1,0 +1,191 @@
+"""A calibrated machine against measurements, as the paper shows it: stationary differences and first frequencies.
+
+Simulated twins pass through the same evaluation as the recordings: the fall of marker 12 along the load that went, and
+the strongest mode of what follows. "Uncalibrated" is the machine file as it was with the zero offsets that were found.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from boom_mj.calibration.calibrate import Calibration
+from boom_mj.calibration.decay import fit_decay
+from boom_mj.calibration.evidence import HINGES, Evidence
+from boom_mj.calibration.parameters import Setting
+from boom_mj.calibration.release import LEAST_DECAY, SETTLED, release_of, stop_of
+from boom_mj.recording import Recording, named_signal
+from boom_mj.sensors import Group, compare, ideal_signals, noise_levels, sample
+from boom_mj.sensors.blocks import Blocks
+from boom_mj.simulation import Plant, Trajectory, make_plant
+
+Array = np.ndarray
+SEEN = 0.5  # share of the scatter after a stop that modes must take to count as a vibration
+MACHINES = ("uncalibrated", "calibrated")
+
+
+@dataclass(frozen=True, eq=False)
+class Twin:
+    """A simulated recording.
+
+    Attributes:
+        motion: the simulation.
+        blocks: its means over the samples that the recording has.
+        groups: how far log and twin are apart, by channel group, in units of sensor noise.
+    """
+
+    motion: Trajectory
+    blocks: Blocks
+    groups: tuple[Group, ...]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One experiment: measured, uncalibrated, calibrated, each figure (3,).
+
+    Attributes:
+        name: of the experiment.
+        direction: "vertical" or "horizontal" for a load that is cut, "slewing" for a motion that stops.
+        index: of the recording.
+        fall: stationary difference of marker 12 along the load, m; NaN without a load.
+        frequency: of the strongest mode, Hz.
+        damping_ratio: of that mode.
+    """
+
+    name: str
+    direction: str
+    index: int
+    fall: Array
+    frequency: Array
+    damping_ratio: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Validation:
+    """A calibration, its recordings and others that it has not seen, and the twins of all.
+
+    Attributes:
+        logs: all recordings, as block means.
+        training: how many of them the calibration has seen.
+        twins: per recording that of the uncalibrated and of the calibrated machine.
+        comparisons: of the recordings that end a load or a motion.
+    """
+
+    found: Calibration
+    logs: tuple[Blocks, ...]
+    training: int
+    twins: tuple[tuple[Twin, Twin], ...]
+    comparisons: tuple[Comparison, ...]
+
+
+def validate(found: Calibration, held_out: Sequence[Recording] = ()) -> Validation:
+    """Compare both machines with all recordings."""
+    logs = [blocks.log for blocks in found.evidence.blocks]
+    evidence = Evidence(found.machine, [*logs, *held_out])
+    machines = (found.nominal, found.setting)
+    twins = tuple(
+        (_twin(evidence, machines[0], index), _twin(evidence, machines[1], index))
+        for index in range(len(evidence.blocks))
+    )
+    plant = make_plant(found.setting.machine, HINGES)
+    rows = (
+        _release(plant, index, both, pair) or _stop(plant, index, both, pair)
+        for index, (both, pair) in enumerate(zip(evidence.blocks, twins))
+    )
+    return Validation(found, evidence.blocks, len(logs), twins, tuple(row for row in rows if row is not None))
+
+
+def validation_document(shown: Validation) -> dict[str, Any]:
+    """The comparison in plain data."""
+    held_out = range(shown.training, len(shown.logs))
+    return {
+        "experiments": [
+            {
+                "name": row.name,
+                "direction": row.direction,
+                "held_out": row.index >= shown.training,
+                **{
+                    what: {**dict(zip(("measured", *MACHINES), map(_plain, values))), "error": errors(values)}
+                    for what, values in (("fall_m", row.fall), ("frequency_hz", row.frequency))
+                    if np.isfinite(values[0])
+                },
+                "damping_ratio": dict(zip(("measured", *MACHINES), map(_plain, row.damping_ratio))),
+            }
+            for row in shown.comparisons
+        ],
+        "held_out": {
+            shown.logs[k].log.name: {
+                machine: {group.name: group.ratio for group in twin.groups}
+                for machine, twin in zip(MACHINES, shown.twins[k])
+            }
+            for k in held_out
+        },
+    }
+
+
+def errors(values: Array) -> dict[str, float | None]:
+    """Relative errors of both machines."""
+    return {machine: _plain(value / values[0] - 1) for machine, value in zip(MACHINES, values[1:])}
+
+
+def _plain(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def _twin(evidence: Evidence, setting: Setting, index: int) -> Twin:
+    motion = evidence.motion(setting, HINGES, index)
+    blocks, signals = evidence.blocks[index], ideal_signals(motion)
+    log = blocks.log
+    at = {name: log[name].time - blocks.start for name in log.signals if name in signals}
+    sampled = {name: named_signal(name, log[name].time, sample(signals[name], time)) for name, time in at.items()}
+    recording = Recording(log.name, log.machine, "simulated twin", sampled)
+    return Twin(
+        motion, replace(blocks, mean=blocks.of(signals)), compare(log, recording, noise_levels(setting.machine))
+    )
+
+
+def _release(plant: Plant, index: int, blocks: Blocks, twins: tuple[Twin, Twin]) -> Comparison | None:
+    found = [release_of(b, index, plant) for b in (blocks, *(twin.blocks for twin in twins))]
+    releases = [release for release in found if release is not None]
+    if len(releases) < len(found):
+        return None
+    load = releases[0].before.load
+    along = load / np.linalg.norm(load)
+    frequency, ratio = np.array([release.first for release in releases]).T
+    return Comparison(
+        name=releases[0].name,
+        direction="vertical" if abs(along[2]) > abs(along[1]) else "horizontal",
+        index=index,
+        fall=np.array([-release.fall[-3:] @ along for release in releases]),
+        frequency=frequency,
+        damping_ratio=ratio,
+    )
+
+
+def _stop(plant: Plant, index: int, blocks: Blocks, twins: tuple[Twin, Twin]) -> Comparison | None:
+    """The vibration after a motion that stops: the modes that joint 1 excites."""
+    stop = stop_of(blocks)
+    if stop is None or blocks.time[-1] - stop < 2 * LEAST_DECAY:
+        return None
+    rest = plant.static_equilibrium(blocks.log["joint/position"].values[-50:].mean(axis=0))
+    modes = plant.modes(rest)
+    pushed = plant.mass_matrix(rest)[np.ix_(plant.elastic, plant.joints[:1])][:, 0]
+    strongest = np.argsort(-np.abs(modes.shape.T @ pushed))[:2]
+    expected, ratio = modes.frequency[strongest], float(modes.damping_ratio[strongest[0]])
+    rows = blocks.time > stop + SETTLED
+    fits = [
+        fit_decay(b.time[rows] - stop, b.mean[rows], b.noise[rows], expected, ratio)
+        for b in (blocks, *(twin.blocks for twin in twins))
+    ]
+    first = [int(np.argmin(np.abs(np.log(fit.frequency / expected[0])))) for fit in fits]
+    if fits[0].share < SEEN:
+        return None
+    return Comparison(
+        name=blocks.log.name,
+        direction="slewing",
+        index=index,
+        fall=np.full(len(fits), np.nan),
+        frequency=np.array([fit.frequency[k] for fit, k in zip(fits, first)]),
+        damping_ratio=np.array([fit.damping_ratio[k] for fit, k in zip(fits, first)]),
+    )

@@ -1,0 +1,39 @@
+"""The page itself: sections in their order, one template each, one file that fetches nothing."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
+
+from boom_mj.calibration import Validation, document
+from boom_mj.logs import whole_file
+from boom_mj.report.calibration import left, motion, parameters, series, spectra, stationary
+from boom_mj.report.diagnosis.words import percent
+
+SECTIONS = (parameters, stationary, spectra, series, motion, left)
+
+
+def write_calibration(shown: Validation, names: Sequence[str], path: Path) -> None:
+    """Write a calibration and its validation as one HTML file with everything in it.
+
+    Args:
+        names: of the logs that the calibration has seen.
+    """
+    text = calibration_page(shown, names)
+    with whole_file(Path(path)) as stream:
+        stream.write(text.encode())
+
+
+def calibration_page(shown: Validation, names: Sequence[str]) -> str:
+    """The page as text."""
+    answer = document(shown.found, names)
+    sections = [section for module in SECTIONS if (section := module.section(shown)) is not None]
+    figures = parameters.figures(answer, shown)
+    return _environment().get_template("calibration.html").render(answer=answer, figures=figures, sections=sections)
+
+
+def _environment() -> Environment:
+    loader = ChoiceLoader([PackageLoader("boom_mj.report.calibration"), PackageLoader("boom_mj.report.diagnosis")])
+    found = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    found.filters.update(percent=percent)
+    return found
