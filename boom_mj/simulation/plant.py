@@ -89,7 +89,7 @@ class Plant:
 
     def markers(self, qpos: Array) -> Array:
         """World positions of the markers, (m, 3), m."""
-        data, count = self._at(qpos), len(self.machine.links) * len(self.machine.sensors.markers_x)
+        data, count = self.at(qpos), len(self.machine.links) * len(self.machine.sensors.markers_x)
         return np.array([data.site(f"marker{k + 1}").xpos for k in range(count)])
 
     def rest_force(self, qpos: Array, loads: Mapping[str, Array]) -> Array:

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from boom_mj.effects import Effect, LoadEffect, ModelEffect, Parameter, SignalEffect
-from boom_mj.effects.structure import elastic_hinges, link_hinges
+from boom_mj.effects.structure import link_hinges
 from boom_mj.machine import Machine
 from boom_mj.recording import Signal
 
@@ -33,21 +33,6 @@ class HardeningLink(ModelEffect):
         for hinge in hinges:
             cubic = self.values["share"] * hinge.stiffness[0] * (len(hinges) / BEND) ** 2
             hinge.stiffness = [hinge.stiffness[0], hinge.stiffness[1], hinge.stiffness[2] + cubic]
-
-
-class QuadraticDamping(ModelEffect):
-    """Damping that grows with the rate of bending: M = d w (1 + s |w| / w0), w0 = BEND a second over all hinges."""
-
-    id = "quadratic_damping"
-    parameters = {"share": Parameter("1", 0.0, 0.0, 1e3, 4.0)}
-    confused_with = ("structural_damping", "structural_hysteresis")
-
-    def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
-        hinges = list(elastic_hinges(spec, machine))
-        per_link = len(hinges) // (3 * len(machine.links))
-        for hinge in hinges:
-            quadratic = self.values["share"] * hinge.damping[0] * per_link / BEND
-            hinge.damping = [hinge.damping[0], hinge.damping[1] + quadratic, hinge.damping[2]]
 
 
 class BreathingCrack(ModelEffect):
@@ -139,7 +124,6 @@ STRANGERS: Mapping[str, type[Effect]] = {
     kind.id: kind
     for kind in (
         HardeningLink,
-        QuadraticDamping,
         BreathingCrack,
         MovingSlug,
         MistrackedMarker,
