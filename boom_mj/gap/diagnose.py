@@ -12,7 +12,7 @@ from boom_mj.gap.campaign import Campaign
 from boom_mj.gap.candidate import Candidate, everywhere
 from boom_mj.gap.fit import ROUGH, fit
 from boom_mj.gap.judge import Closure, Judged, closure, gap, judge, worse_by
-from boom_mj.gap.metric import Metric, anchored, around, make_metric
+from boom_mj.gap.metric import Metric, anchored, around, coarsely, make_metric
 from boom_mj.gap.screen import Screened, Signatures, spectral_lines
 from boom_mj.gap.subject import Push
 
@@ -123,6 +123,7 @@ def shortlist(screened: Sequence[Screened]) -> list[Screened]:
 
 
 def _fit_all(metric: Metric, candidates: Sequence[Candidate]) -> list[Judged]:
+    metric = coarsely(metric)
     with ThreadPoolExecutor(max(1, len(candidates))) as threads:
         judged = list(threads.map(lambda c: judge(metric, fit(metric, c, ROUGH)), candidates))
     return sorted(judged, key=lambda j: j.held_out)

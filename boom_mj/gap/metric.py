@@ -35,6 +35,7 @@ class Metric:
     Attributes:
         campaign: what is measured.
         effects: of the machine about which all this is taken.
+        level: of fidelity at which changes of that machine are simulated.
         base: prediction of its simulation at the middle level, (N,).
         mean_error: what a finer model would add to it, (N,).
         weight: 1 / sqrt(v), 0 where nothing was measured, (N,).
@@ -45,6 +46,7 @@ class Metric:
 
     campaign: Campaign
     effects: Hypothesis
+    level: int
     base: Array
     mean_error: Array
     weight: Array
@@ -53,10 +55,8 @@ class Metric:
     curvature: Array
 
     def predict(self, hypotheses: Sequence[Hypothesis], training_only: bool = False) -> list[Array]:
-        """Predictions of hypotheses, (N,) each: the base, and what a coarse model says that they change in it."""
-        own, *found = self.campaign.predict(
-            [self.effects, *hypotheses], self.campaign.subject.fidelity.coarse, training_only
-        )
+        """Predictions of hypotheses, (N,) each: the base, and what a model of our level says that they change in it."""
+        own, *found = self.campaign.predict([self.effects, *hypotheses], self.level, training_only)
         return [self.base + (other - own) for other in found]
 
     def white(self, vector: Array) -> Array:
@@ -97,27 +97,35 @@ def make_metric(campaign: Campaign) -> Metric:
     """Simulate the healthy machine at several fidelities and with every tolerance."""
     nuisances, level = campaign.subject.tolerances(), campaign.subject.fidelity.coarse
     coarse, *shifted = campaign.predict([(), *(t.hypothesis for t in nuisances)], level)
-    return _weigh(campaign, (), [(s - coarse) * t.deviation for s, t in zip(shifted, nuisances)])
+    return _weigh(campaign, (), level, [(s - coarse) * t.deviation for s, t in zip(shifted, nuisances)])
+
+
+def coarsely(metric: Metric) -> Metric:
+    """The metric with changes simulated by the coarse model."""
+    return replace(metric, level=metric.campaign.subject.fidelity.coarse)
 
 
 def anchored(metric: Metric, effects: Hypothesis) -> Metric:
-    """The metric with the base of a machine that has effects; weights and nuisances stay."""
-    return replace(
-        metric, effects=effects, base=metric.campaign.predict([effects], metric.campaign.subject.fidelity.middle)[0]
-    )
+    """The metric with the base of a machine that has effects; weights and nuisances stay, changes are coarse."""
+    (base,) = metric.campaign.predict([effects], metric.campaign.subject.fidelity.middle)
+    return coarsely(replace(metric, effects=effects, base=base))
 
 
 def around(metric: Metric, effects: Hypothesis) -> Metric:
-    """The metric of a machine that has effects: a heavier boom swings slower, with its nuisances and model error."""
+    """The metric of a machine that has effects: a heavier boom swings slower, with its nuisances and model error.
+
+    Changes are simulated as the base is: the cost of a coarse model has minima of its own where nuisances meet limits.
+    """
     campaign, moving = metric.campaign, [t for t in metric.nuisances if not t.still]
     hypotheses = [effects, *((*effects, *t.hypothesis) for t in moving)]
     base, *shifted = campaign.predict(hypotheses, campaign.subject.fidelity.coarse)
     found = iter([(prediction - base) * t.deviation for prediction, t in zip(shifted, moving)])
     kept = metric.basis / np.where(metric.weight > 0, metric.weight, 1)[:, None]
-    return _weigh(campaign, effects, [c if t.still else next(found) for c, t in zip(kept.T, metric.nuisances)])
+    level = campaign.subject.fidelity.middle
+    return _weigh(campaign, effects, level, [c if t.still else next(found) for c, t in zip(kept.T, metric.nuisances)])
 
 
-def _weigh(campaign: Campaign, effects: Hypothesis, columns: Sequence[Array]) -> Metric:
+def _weigh(campaign: Campaign, effects: Hypothesis, level: int, columns: Sequence[Array]) -> Metric:
     fidelity = campaign.subject.fidelity
     fine, base = (campaign.predict([effects], level)[0] for level in (fidelity.fine, fidelity.middle))
     refinement = (fine - base) / fidelity.shrunk
@@ -128,7 +136,7 @@ def _weigh(campaign: Campaign, effects: Hypothesis, columns: Sequence[Array]) ->
         basis = np.stack([np.nan_to_num(column) * weight for column in columns], axis=1)
     train = campaign.train
     curvature = np.eye(len(columns)) + basis[train].T @ basis[train]
-    return Metric(campaign, effects, base, refinement, weight, basis, campaign.subject.tolerances(), curvature)
+    return Metric(campaign, effects, level, base, refinement, weight, basis, campaign.subject.tolerances(), curvature)
 
 
 def _carried(campaign: Campaign, size: Array) -> Array:

@@ -51,7 +51,7 @@ def metric(training: int) -> Metric:
     c, nuisances = campaign(training), tolerances()
     weight = np.where(c.used, 1 / c.noise, 0.0)
     basis = np.zeros((len(weight), len(nuisances)))
-    return Metric(c, (), np.nan_to_num(c.measured), 0 * weight, weight, basis, nuisances, np.eye(len(nuisances)))
+    return Metric(c, (), 2, np.nan_to_num(c.measured), 0 * weight, weight, basis, nuisances, np.eye(len(nuisances)))
 
 
 def residual(m: Metric, size: float) -> np.ndarray:
