@@ -14,6 +14,7 @@ from boom_mj.machine import Machine
 from boom_mj.mjcf import BoomModel, build
 from boom_mj.recording import Recording, Signal
 from boom_mj.sensors import apply_sensor_effects, driving_angles, ideal_signals, noise_levels, sample, true_angles
+from boom_mj.sensors.blocks import BLOCK, group_of
 from boom_mj.simulation import Plant, run, step_times
 from boom_mj.simulation.plant import with_effects
 
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from boom_mj.gap.metric import Metric
 
 Array = np.ndarray
-BLOCK = 0.1  # s: the first modes lie far below, the noise falls, and the milliseconds after a cut rope weigh less
 COARSE, HINGES, FINE = 2, 4, 6  # hinges: of all differences, of what they are added to, of the fidelity check
 ORDER = 2  # of convergence in the number of hinges
 PACE = {COARSE: 2.0, FINE: (HINGES / FINE) ** 2}  # of the plant's own step: errors of step and hinges fall alike
@@ -119,11 +119,7 @@ class Boom(Subject):
         return apply_sensor_effects([e for e in effects if isinstance(e, SignalEffect)], dict(signals), self.machine)
 
     def group(self, signal: str, values: Signal, column: int) -> str:
-        channel = values.channels[column]
-        if signal == "markers":
-            number, axis = int(channel.partition("/")[0].removeprefix("marker")), channel[-1]
-            return f"markers/link{2 + (number - 1) // 3}/{axis}"
-        return channel if signal.startswith("cylinder") else f"{signal}/{channel}"
+        return group_of(signal, values, column)
 
     def place(self, group: str) -> tuple[str, str, str]:
         return sensor_place(group)

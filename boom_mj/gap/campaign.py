@@ -14,11 +14,12 @@ from threading import Lock
 import numpy as np
 
 from boom_mj.errors import BoomError, LogError
-from boom_mj.gap.boom import BLOCK, Boom
+from boom_mj.gap.boom import Boom
 from boom_mj.gap.subject import Hypothesis, Subject
 from boom_mj.machine import Machine
 from boom_mj.recording import Recording, Signal
 from boom_mj.sensors import sample
+from boom_mj.sensors.blocks import block_means, own_noise
 
 Array = np.ndarray
 KEPT = 24  # dense simulations kept for hypotheses that differ in their sensors only
@@ -227,20 +228,3 @@ class Campaign:
                 group = self.subject.group(name, log[name], column)
                 found.append(Channel(index, name, column, group, time, count, mean, noise))
         return found
-
-
-def block_means(time: Array, values: Array, length: float = BLOCK) -> tuple[Array, Array, Array]:
-    """Means over stretches of some seconds that leave out NaN: times of their middles, samples, means, (n,) each."""
-    block = np.floor(time / length + 1e-6).astype(int)
-    starts = np.flatnonzero(np.concatenate([[True], np.diff(block) != 0]))
-    there = np.isfinite(values)
-    count = np.add.reduceat(there.astype(float), starts)
-    total = np.add.reduceat(np.where(there, values, 0.0), starts)
-    mean = np.where(count > 0, total / np.maximum(count, 1), np.nan)
-    return (block[starts] + 0.5) * length, count, mean
-
-
-def own_noise(values: Array) -> float:
-    """Noise of a channel by its third differences, robustly: what moves slowly does not count."""
-    third = np.diff(values[np.isfinite(values)], n=3)
-    return float(1.4826 * np.median(np.abs(third)) / np.sqrt(20.0)) if len(third) > 10 else 0.0

@@ -91,17 +91,34 @@ def blocks_of(machine: Machine, log: Recording) -> Blocks:
 
 
 def _means(time: Array, values: Array, rows: int) -> tuple[Array, Array]:
-    """Means over blocks that leave out NaN, and how many samples each has, (rows, k) both."""
-    block = np.floor(time / BLOCK + 1e-6).astype(int)
+    """Means over the first `rows` blocks, NaN where there is no sample, and how many samples each has, (rows, k) both."""
+    block = np.floor(time / BLOCK + 1e-6)
     inside = (block >= 0) & (block < rows)
-    block, values = block[inside], values[inside]
-    there = np.isfinite(values)
-    total, count = np.zeros((rows, values.shape[1])), np.zeros((rows, values.shape[1]))
+    mean, count = np.full((rows, values.shape[1]), np.nan), np.zeros((rows, values.shape[1]))
+    if inside.any():
+        middle, samples, means = block_means(time[inside], values[inside])
+        block = np.round(middle / BLOCK - 0.5).astype(int)
+        mean[block], count[block] = means, samples
+    return mean, count
+
+
+def block_means(time: Array, values: Array, length: float = BLOCK) -> tuple[Array, Array, Array]:
+    """Means over stretches of `length` seconds that leave out NaN.
+
+    Args:
+        time: (m,), s, increasing.
+        values: (m,) or (m, k).
+
+    Returns:
+        Times of the middles of those that have samples, (n,); samples and means, (n,) or (n, k).
+    """
+    block = np.floor(time / length + 1e-6).astype(int)
     starts = np.flatnonzero(np.concatenate([[True], np.diff(block) != 0]))
-    if block.size:
-        total[block[starts]] = np.add.reduceat(np.where(there, values, 0.0), starts, axis=0)
-        count[block[starts]] = np.add.reduceat(there.astype(float), starts, axis=0)
-    return np.where(count > 0, total / np.maximum(count, 1), np.nan), count
+    there = np.isfinite(values)
+    count = np.add.reduceat(there.astype(float), starts, axis=0)
+    total = np.add.reduceat(np.where(there, values, 0.0), starts, axis=0)
+    mean = np.where(count > 0, total / np.maximum(count, 1), np.nan)
+    return (block[starts] + 0.5) * length, count, mean
 
 
 def group_of(name: str, signal: Signal, column: int) -> str:

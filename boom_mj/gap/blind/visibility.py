@@ -9,10 +9,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from boom_mj.effects import AngleEffect, Effect, effects_of, make_effect
-from boom_mj.gap.campaign import BLOCK, block_means
 from boom_mj.machine import Machine
 from boom_mj.mjcf import build
 from boom_mj.sensors import ideal_signals, noise_levels, sample_rates, true_angles
+from boom_mj.sensors.blocks import BLOCK, block_means
 from boom_mj.simulation import Experiment, run, step_times
 from boom_mj.simulation.plant import with_effects
 

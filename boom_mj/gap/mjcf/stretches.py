@@ -7,10 +7,10 @@ import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
 from boom_mj.errors import LogError
-from boom_mj.gap.campaign import own_noise
 from boom_mj.gap.mjcf.channel_map import ChannelEntry, ChannelMap
 from boom_mj.logs.columns import read_columns
 from boom_mj.recording import Recording, Signal
+from boom_mj.sensors.blocks import own_noise
 
 Array = np.ndarray
 ORDER = 4  # of the Butterworth filter, run both ways
