@@ -91,7 +91,7 @@ def blocks_of(machine: Machine, log: Recording) -> Blocks:
 
 
 def _means(time: Array, values: Array, rows: int) -> tuple[Array, Array]:
-    """Means over the first `rows` blocks, NaN where there is no sample, and how many samples each has, (rows, k) both."""
+    """Means over the first `rows` blocks, NaN where nothing was sampled, and samples of each, (rows, k) both."""
     block = np.floor(time / BLOCK + 1e-6)
     inside = (block >= 0) & (block < rows)
     mean, count = np.full((rows, values.shape[1]), np.nan), np.zeros((rows, values.shape[1]))
