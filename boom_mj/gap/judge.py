@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from boom_mj.gap.fit import Fit
+from boom_mj.gap.fit import PRIOR, Fit
 from boom_mj.gap.metric import Metric
 
 Array = np.ndarray
@@ -54,13 +54,14 @@ def judge(metric: Metric, found: Fit) -> Judged:
 def deviations(metric: Metric, found: Fit) -> Array:
     """Standard deviations of the coordinates: H^-1 (sum g g^T) H^-1 with scores g summed over what is correlated.
 
-    H = J^T P J, with P what nuisances with their priors leave of a column, and g = J^T P r.
+    H = J^T P J + 1 / PRIOR^2, with P what nuisances with their priors leave of a column, and g = J^T P r.
     Residuals are correlated within windows and, where the model is wrong, within whole recordings. The largest counts,
     and no less than H^-1, what is left when nuisances may be anything that their priors allow.
     """
     train = metric.campaign.train
     clean = metric.project(found.jacobian, found.free)[train]
-    inverse = np.linalg.pinv(found.jacobian[train].T @ clean)
+    information = found.jacobian[train].T @ clean
+    inverse = np.linalg.inv((information + information.T) / 2 + np.eye(clean.shape[1]) / PRIOR**2)
     score = clean * found.residual[train][:, None]
     variances = [np.diag(inverse)]
     for cluster in (window_numbers(metric)[train], metric.campaign.recording_of[train]):
