@@ -12,15 +12,13 @@ from scipy.optimize import least_squares
 
 from boom_mj.calibration.evidence import COARSE, HINGES, PACE, Evidence
 from boom_mj.calibration.identify import covariance
+from boom_mj.calibration.intervals import robust_variance
 from boom_mj.calibration.parameters import OFFSET, Space
 
 Array = np.ndarray
 NEAR = 0.05  # of a logarithm, within which sensitivities stay
-EVALUATIONS, ENOUGH, ROUGH = (
-    15,
-    0.03,
-    3.0,
-)  # of the refinement; fall of the cost at which it ends: one deviation is a fall of 0.5
+EVALUATIONS = 15  # of the refinement
+ENOUGH, ROUGH = 0.03, 3.0  # fall of the cost at which it ends: one deviation is a fall of 0.5
 FAILED = 1e3  # whitened residual of a simulation that left the numbers
 WINDOW = 5.0  # s, over which residuals may be correlated
 SYSTEMATIC = 0.5  # share of what the hinges' extrapolation moves that may be wrong
@@ -156,13 +154,10 @@ def deviations(evidence: Evidence, space: Space, jacobian: Array, residual: Arra
     inverse = covariance(jacobian)
     score = jacobian * residual[:, None]
     windows = (evidence.recording_of * (int(max(evidence.time) // WINDOW) + 1) + evidence.time // WINDOW).astype(int)
-    variances = [np.diag(inverse)]
-    for cluster in (windows, evidence.recording_of):
-        sums = np.stack([np.bincount(cluster, column) for column in score.T], axis=1)
-        variances.append(np.diag(inverse @ (sums.T @ sums) @ inverse))
+    variance = robust_variance(inverse, score, (windows, evidence.recording_of))
     moved = np.abs(inverse @ (jacobian.T @ np.nan_to_num(finer)))
     for kind in set(space.kinds):
         alike = np.array([other == kind for other in space.kinds])
         moved[alike] = np.maximum(moved[alike], np.sqrt(np.mean(moved[alike] ** 2)))
     systematic = SYSTEMATIC * moved
-    return np.sqrt(np.max(variances, axis=0) + systematic**2), systematic
+    return np.sqrt(variance + systematic**2), systematic

@@ -19,7 +19,7 @@ from functools import cache
 from importlib import import_module
 from itertools import product
 from pkgutil import iter_modules
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 import mujoco
 import numpy as np
@@ -194,18 +194,25 @@ def _revive(name: str, location: Location, values: Values) -> Effect:
     return effect_library()[name](location, **values)
 
 
-@cache
-def effect_library() -> Mapping[str, type[Effect]]:
-    """Every effect of `library/`, by id."""
-    package = import_module("boom_mj.effects.library")
-    modules = [import_module(f"boom_mj.effects.library.{m.name}") for m in iter_modules(package.__path__)]
+Kind = TypeVar("Kind", bound=Effect)
+
+
+def registered(folder: str, base: type[Kind]) -> Mapping[str, type[Kind]]:
+    """Every kind of effect that a package's modules define, by id."""
+    modules = [import_module(f"{folder}.{m.name}") for m in iter_modules(import_module(folder).__path__)]
     kinds = [
         kind
         for module in modules
         for kind in vars(module).values()
-        if isinstance(kind, type) and issubclass(kind, Effect) and kind.__module__ == module.__name__
+        if isinstance(kind, type) and issubclass(kind, base) and kind.__module__ == module.__name__
     ]
     return {kind.id: kind for kind in sorted(kinds, key=lambda kind: kind.id)}
+
+
+@cache
+def effect_library() -> Mapping[str, type[Effect]]:
+    """Every effect of `library/`, by id."""
+    return registered("boom_mj.effects.library", Effect)
 
 
 def make_effect(name: str, entries: Mapping[str, Any]) -> Effect:

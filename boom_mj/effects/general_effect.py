@@ -16,14 +16,12 @@ from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib import import_module
-from pkgutil import iter_modules
 from typing import ClassVar
 
 import mujoco
 import numpy as np
 
-from boom_mj.effects.effect import Effect, Parameter
+from boom_mj.effects.effect import Effect, Parameter, registered
 
 Array = np.ndarray
 
@@ -157,12 +155,4 @@ def led(time: Array, values: Array, constant: float) -> Array:
 @cache
 def general_library() -> Mapping[str, type[GeneralEffect]]:
     """Every effect of `general/`, by id."""
-    package = import_module("boom_mj.effects.general")
-    modules = [import_module(f"boom_mj.effects.general.{m.name}") for m in iter_modules(package.__path__)]
-    kinds = [
-        kind
-        for module in modules
-        for kind in vars(module).values()
-        if isinstance(kind, type) and issubclass(kind, GeneralEffect) and kind.__module__ == module.__name__
-    ]
-    return {kind.id: kind for kind in sorted(kinds, key=lambda kind: kind.id)}
+    return registered("boom_mj.effects.general", GeneralEffect)  # type: ignore[type-abstract]

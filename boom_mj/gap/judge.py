@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from boom_mj.calibration.intervals import robust_variance
 from boom_mj.gap.fit import PRIOR, Fit
 from boom_mj.gap.metric import Metric
 
@@ -63,11 +64,8 @@ def deviations(metric: Metric, found: Fit) -> Array:
     information = found.jacobian[train].T @ clean
     inverse = np.linalg.inv((information + information.T) / 2 + np.eye(clean.shape[1]) / PRIOR**2)
     score = clean * found.residual[train][:, None]
-    variances = [np.diag(inverse)]
-    for cluster in (window_numbers(metric)[train], metric.campaign.recording_of[train]):
-        sums = np.stack([np.bincount(cluster, column) for column in score.T], axis=1)
-        variances.append(np.diag(inverse @ (sums.T @ sums) @ inverse))
-    return np.sqrt(np.max(variances, axis=0))
+    clusters = (window_numbers(metric)[train], metric.campaign.recording_of[train])
+    return np.sqrt(robust_variance(inverse, score, clusters))
 
 
 def window_numbers(metric: Metric) -> Array:

@@ -52,26 +52,6 @@ def test_files_that_it_writes(log: Path, tmp_path: Path) -> None:
     ]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "status", "told"),
-    [
-        ([MACHINE], 2, "LOGS"),
-        ([MACHINE, "nowhere.mcap"], 2, "nowhere.mcap"),
-        (["nowhere.toml", LOG], 2, "nowhere.toml"),
-        ([MACHINE, LOG, "--free", "colour"], 2, "shear_modulus"),
-        ([MACHINE, LOG, "-o", "out.txt"], 2, ".toml"),
-        ([MACHINE, LOG, "--html", "no_folder/page.html"], 2, "no_folder"),
-        ([MACHINE, MACHINE], 1, "not an MCAP file"),
-    ],
-)
-def test_wrong_calls(arguments: list, status: int, told: str) -> None:
-    done = boom(*arguments)
-    assert done.returncode == status
-    assert told in done.stderr
-    assert "Traceback" not in done.stderr
-    assert done.stdout == ""
-
-
 def test_a_log_that_tells_nothing(tmp_path: Path) -> None:
     whole = read_mcap(LOG)
     bare = tmp_path / "bare.mcap"

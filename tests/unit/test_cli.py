@@ -61,6 +61,13 @@ def test_validate_gives_one_document() -> None:
         (["generate", MACHINE, "--hinges", "0"], 2, "hinges"),
         (["replay", "nowhere.mcap"], 2, "nowhere.mcap"),
         (["replay", MACHINE], 1, "not an MCAP file"),
+        (["calibrate", MACHINE], 2, "LOGS"),
+        (["calibrate", MACHINE, "nowhere.mcap"], 2, "nowhere.mcap"),
+        (["calibrate", "nowhere.toml", LOG], 2, "nowhere.toml"),
+        (["calibrate", MACHINE, LOG, "--free", "colour"], 2, "shear_modulus"),
+        (["calibrate", MACHINE, LOG, "-o", "out.txt"], 2, ".toml"),
+        (["calibrate", MACHINE, LOG, "--html", "no_folder/page.html"], 2, "no_folder"),
+        (["calibrate", MACHINE, MACHINE], 1, "not an MCAP file"),
         (["fly"], 2, "fly"),
     ],
 )

@@ -23,7 +23,7 @@ from boom_mj.recording import Recording, window
 from boom_mj.report import write_diagnosis
 from boom_mj.report.diagnosis.page import SECTIONS, diagnosis_page
 from boom_mj.report.diagnosis.view import View
-from boom_mj.report.diagnosis.words import digits_of, gap_size, number, percent, spoken
+from boom_mj.report.words import digits_of, gap_size, number, percent, spoken
 
 ROOT = Path(__file__).parents[2]
 BOOM = load_machine(ROOT / "models" / "boom36.toml")

@@ -5,7 +5,7 @@ from collections import defaultdict
 import numpy as np
 
 from boom_mj.calibration import Validation
-from boom_mj.report.diagnosis.section import Section
+from boom_mj.report.section import Section
 
 CLOSE = 1.5  # times the noise
 

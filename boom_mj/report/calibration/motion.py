@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 from boom_mj.calibration import Validation
 from boom_mj.calibration.release import stop_of
 from boom_mj.report.calibration.pictures import LINES, Picture, trace
-from boom_mj.report.diagnosis.drawing import draw, envelope
-from boom_mj.report.diagnosis.section import Section
+from boom_mj.report.drawing import draw, envelope
+from boom_mj.report.section import Section
 
 Array = np.ndarray
 WIDTH = 1080

@@ -3,12 +3,11 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
-
 from boom_mj.calibration import Validation, document
 from boom_mj.logs import whole_file
 from boom_mj.report.calibration import left, motion, parameters, series, spectra, stationary
-from boom_mj.report.diagnosis.words import percent
+from boom_mj.report.templating import page_environment
+from boom_mj.report.words import percent
 
 SECTIONS = (parameters, stationary, spectra, series, motion, left)
 
@@ -29,11 +28,5 @@ def calibration_page(shown: Validation, names: Sequence[str]) -> str:
     answer = document(shown.found, names)
     sections = [section for module in SECTIONS if (section := module.section(shown)) is not None]
     figures = parameters.figures(answer, shown)
-    return _environment().get_template("calibration.html").render(answer=answer, figures=figures, sections=sections)
-
-
-def _environment() -> Environment:
-    loader = ChoiceLoader([PackageLoader("boom_mj.report.calibration"), PackageLoader("boom_mj.report.diagnosis")])
-    found = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    found.filters.update(percent=percent)
-    return found
+    environment = page_environment("boom_mj.report.calibration", percent=percent)
+    return environment.get_template("calibration.html").render(answer=answer, figures=figures, sections=sections)

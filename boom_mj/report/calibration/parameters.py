@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 from boom_mj.calibration import Validation
 from boom_mj.calibration.answer import SURE
 from boom_mj.report.colours import CORRECTED, FAINT, QUIET
-from boom_mj.report.diagnosis.drawing import draw
-from boom_mj.report.diagnosis.section import Section
-from boom_mj.report.diagnosis.words import digits_of, gap_size, number, percent, spaced
+from boom_mj.report.drawing import draw
+from boom_mj.report.section import Section
+from boom_mj.report.words import digits_of, gap_size, number, percent, spaced
 
 WIDTH, ROW, MARGIN = 1080, 19, 52  # px
 

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 
 from boom_mj.calibration import Comparison, Validation
 from boom_mj.report.colours import CORRECTED, MEASURED, NOMINAL
-from boom_mj.report.diagnosis.drawing import envelope
+from boom_mj.report.drawing import envelope
 
 Array = np.ndarray
 LINES = ((NOMINAL, 1.1), (CORRECTED, 1.1))  # of the uncalibrated and the calibrated machine

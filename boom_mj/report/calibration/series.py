@@ -4,8 +4,8 @@ from matplotlib.figure import Figure
 
 from boom_mj.calibration import Validation
 from boom_mj.report.calibration.pictures import Picture, Trace, telling, trace
-from boom_mj.report.diagnosis.drawing import draw
-from boom_mj.report.diagnosis.section import Section
+from boom_mj.report.drawing import draw
+from boom_mj.report.section import Section
 
 WIDTH, HEIGHT = 1080, 300
 TIP = {"vertical": (35, "tip height, cm"), "horizontal": (34, "tip sideways, cm"), "slewing": (34, "tip sideways, cm")}

@@ -7,8 +7,8 @@ from boom_mj.calibration import Validation
 from boom_mj.calibration.release import begin_of_vibration
 from boom_mj.report.calibration.pictures import LINES, Picture, telling, trace
 from boom_mj.report.colours import MEASURED
-from boom_mj.report.diagnosis.drawing import draw
-from boom_mj.report.diagnosis.section import Section
+from boom_mj.report.drawing import draw
+from boom_mj.report.section import Section
 from boom_mj.sensors.blocks import BLOCK
 
 WIDTH, HEIGHT = 1080, 230

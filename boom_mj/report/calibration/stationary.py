@@ -8,9 +8,9 @@ from matplotlib.figure import Figure
 
 from boom_mj.calibration import Comparison, Validation
 from boom_mj.report.colours import CORRECTED, MEASURED, NOMINAL
-from boom_mj.report.diagnosis.drawing import draw
-from boom_mj.report.diagnosis.section import Section
-from boom_mj.report.diagnosis.words import MINUS
+from boom_mj.report.drawing import draw
+from boom_mj.report.section import Section
+from boom_mj.report.words import MINUS
 
 Array = np.ndarray
 WIDTH, HEIGHT, GAP = 1080, 250, 0.27

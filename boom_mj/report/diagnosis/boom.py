@@ -13,10 +13,10 @@ from matplotlib.patches import Polygon
 from boom_mj.gap.boom import sensor_place
 from boom_mj.gap.campaign import Channel
 from boom_mj.report.colours import CORRECTED, FAINT, MEASURED, QUIET
-from boom_mj.report.diagnosis.drawing import HEAT, draw, gap_ticks
 from boom_mj.report.diagnosis.geometry import Side, place_of, side_view
-from boom_mj.report.diagnosis.section import Section
 from boom_mj.report.diagnosis.view import View
+from boom_mj.report.drawing import HEAT, draw, gap_ticks
+from boom_mj.report.section import Section
 
 Array = np.ndarray
 WIDTH = 1080  # px

@@ -8,11 +8,11 @@ from matplotlib.figure import Figure
 
 from boom_mj.gap.boom import sensor_place
 from boom_mj.report.colours import CORRECTED, FAINT, NOMINAL
-from boom_mj.report.diagnosis.drawing import draw, gap_axis
 from boom_mj.report.diagnosis.heat import ORDER
-from boom_mj.report.diagnosis.section import Section
 from boom_mj.report.diagnosis.view import SENSORS, Change, View
-from boom_mj.report.diagnosis.words import group_name, spaced
+from boom_mj.report.drawing import draw, gap_axis
+from boom_mj.report.section import Section
+from boom_mj.report.words import group_name, spaced
 
 ROW, WIDTH, LABELS = 17, 530, 215  # px: of a row, of a picture, of its labels
 TOP, BOTTOM = 4, 42  # px above the rows and below them

@@ -9,8 +9,8 @@ from matplotlib.colors import to_hex
 
 from boom_mj.gap.boom import Boom
 from boom_mj.gap.where import Cell
-from boom_mj.report.diagnosis.drawing import HEAT
 from boom_mj.report.diagnosis.view import SENSORS
+from boom_mj.report.drawing import HEAT
 
 ORDER = {
     "direction": ("x", "y", "z", "force"),

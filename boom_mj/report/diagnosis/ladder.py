@@ -7,10 +7,10 @@ import numpy as np
 
 from boom_mj.gap.answer import rival
 from boom_mj.gap.judge import Judged
-from boom_mj.report.diagnosis.drawing import gap_ticks
-from boom_mj.report.diagnosis.section import Section
 from boom_mj.report.diagnosis.view import View
-from boom_mj.report.diagnosis.words import effect_name, spoken
+from boom_mj.report.drawing import gap_ticks
+from boom_mj.report.section import Section
+from boom_mj.report.words import effect_name, spoken
 
 WIDTH, MARGIN = 300.0, 10.0  # px of the scale, and beside it
 BEYOND = 30.0  # times the nominal gap, where the scale ends

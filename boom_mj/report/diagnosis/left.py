@@ -5,9 +5,9 @@ import numpy as np
 from boom_mj.gap.diagnose import QUIET
 from boom_mj.gap.where import looks
 from boom_mj.report.diagnosis.heat import heat_map
-from boom_mj.report.diagnosis.section import Section
 from boom_mj.report.diagnosis.view import View
-from boom_mj.report.diagnosis.words import spoken
+from boom_mj.report.section import Section
+from boom_mj.report.words import spoken
 
 LISTED = 6  # places
 

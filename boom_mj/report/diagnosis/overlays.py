@@ -9,10 +9,10 @@ from matplotlib.figure import Figure
 
 from boom_mj.gap.boom import sensor_place
 from boom_mj.report.colours import CORRECTED, FAINT, MEASURED, NOMINAL, QUIET
-from boom_mj.report.diagnosis.drawing import draw, envelope
-from boom_mj.report.diagnosis.section import Section
 from boom_mj.report.diagnosis.view import View
-from boom_mj.report.diagnosis.words import capital, group_name, percent
+from boom_mj.report.drawing import draw, envelope
+from boom_mj.report.section import Section
+from boom_mj.report.words import capital, group_name, percent
 
 Array = np.ndarray
 SHOWN = 4  # groups

@@ -3,13 +3,12 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
-
 from boom_mj.gap import Diagnosis, document
 from boom_mj.logs import whole_file
 from boom_mj.report.diagnosis import boom, change, ladder, left, overlays, verdict, where
 from boom_mj.report.diagnosis.view import View
-from boom_mj.report.diagnosis.words import effect_name, gap_size, number, percent, place_name, spaced
+from boom_mj.report.templating import page_environment
+from boom_mj.report.words import effect_name, gap_size, number, percent, place_name, spaced
 
 SECTIONS = (where, boom, ladder, overlays, change, left)
 
@@ -29,13 +28,8 @@ def diagnosis_page(found: Diagnosis, names: Sequence[str]) -> str:
     """The page as text."""
     view = View(found, tuple(names), document(found, names))
     head, *sections = (module.section(view) for module in (verdict, *SECTIONS))
-    return _environment().get_template("page.html").render(view=view, head=head, sections=sections)
-
-
-def _environment() -> Environment:
-    loader = PackageLoader("boom_mj.report.diagnosis")
-    found = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    found.filters.update(
+    environment = page_environment(
+        "boom_mj.report.diagnosis",
         number=number,
         gap=gap_size,
         place=lambda at: place_name(*at),
@@ -43,4 +37,4 @@ def _environment() -> Environment:
         effect_name=effect_name,
         spaced=spaced,
     )
-    return found
+    return environment.get_template("diagnosis.html").render(view=view, head=head, sections=sections)

@@ -3,9 +3,9 @@
 from boom_mj.gap.diagnose import QUIET
 from boom_mj.gap.subject import Push
 from boom_mj.report.diagnosis.heat import heat_map
-from boom_mj.report.diagnosis.section import Section
 from boom_mj.report.diagnosis.view import View
-from boom_mj.report.diagnosis.words import number, place_name
+from boom_mj.report.section import Section
+from boom_mj.report.words import number, place_name
 
 TOP = 3  # places in words
 PUSHES = 5  # listed
