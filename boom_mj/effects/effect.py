@@ -121,8 +121,13 @@ class Effect(ABC):
         return _revive, (self.id, self.location, self.values)
 
     @property
+    def cause(self) -> tuple[Any, ...]:
+        """What and where, without sizes: equal for equal causes."""
+        return self.id, tuple(sorted(self.location.items()))
+
+    @property
     def key(self) -> tuple[Any, ...]:
-        return self.id, tuple(sorted(self.location.items())), tuple(sorted(self.values.items()))
+        return *self.cause, tuple(sorted(self.values.items()))
 
     @classmethod
     def locations(cls) -> list[dict[str, int | str]]:

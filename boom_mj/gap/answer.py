@@ -10,6 +10,7 @@ from boom_mj.effects import Effect
 from boom_mj.gap.candidate import Candidate
 from boom_mj.gap.diagnose import Diagnosis
 from boom_mj.gap.judge import Judged, gap
+from boom_mj.gap.metric import of_size
 from boom_mj.gap.where import in_words, locate, looks
 
 SURE = 1.96  # deviations of a 95 % interval
@@ -140,19 +141,7 @@ def estimated_tolerances(found: Diagnosis) -> tuple[Effect, ...]:
     metric = found.best.metric if found.best else found.metric
     effects = found.best.fit.effects if found.best else ()
     estimate = metric.estimate(metric.residual(*metric.predict([effects])))
-    named = {(effect.id, tuple(effect.location.items())) for effect in effects}
-    values: dict[tuple, dict[str, float]] = {}
-    kinds: dict[tuple, type[Effect]] = {}
-    for share, tolerance in zip(estimate, metric.nuisances):
-        for whole in tolerance.hypothesis:
-            place = (whole.id, tuple(whole.location.items()))
-            for name, value in whole.values.items():
-                neutral = whole.parameters[name].neutral
-                if value != neutral and place not in named:
-                    size = neutral + share * tolerance.deviation * (value - neutral)
-                    values.setdefault(place, {})[name] = float(np.clip(size, *whole.parameters[name].bounds))
-                    kinds[place] = type(whole)
-    return tuple(kinds[place](dict(place[1]), **sizes) for place, sizes in values.items())
+    return of_size([t.beside(effects) for t in metric.nuisances], estimate)
 
 
 def _toml(effect: Effect) -> str:

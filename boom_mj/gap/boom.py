@@ -27,6 +27,7 @@ ORDER = 2  # of convergence in the number of hinges
 PACE = {COARSE: 2.0, FINE: (HINGES / FINE) ** 2}  # of the plant's own step: errors of step and hinges fall alike
 KEPT = 24  # compiled plants
 STIFFNESS = {"v": 0.005, "w": 0.005, "torsion": 0.01}  # of all links
+PLATES = 0.003  # of the stiffness of a single link
 MASS, DAMPING = 0.003, 0.05  # of a link, of all of them
 GAIN = 0.002  # of a pressure sensor
 VISCOUS = 0.5  # of the machine file's, that may be missing or too much
@@ -55,6 +56,8 @@ def tolerances() -> tuple[Tolerance, ...]:
         softer = [make_effect("link_stiffness", {"link": k, "axis": axis, "factor": 0.99}) for k in (2, 3, 4, 5)]
         found.append(Tolerance(tuple(softer), deviation / 0.01))
     for link in (2, 3, 4, 5):
+        thinner = [make_effect("link_stiffness", {"link": link, "axis": axis, "factor": 0.99}) for axis in STIFFNESS]
+        found.append(Tolerance(tuple(thinner), PLATES / 0.01))
         found.append(Tolerance((make_effect("link_mass", {"link": link, "factor": 1.01}),), MASS / 0.01))
     return (*found, Tolerance((make_effect("structural_damping", {"factor": 1.1}),), DAMPING / 0.1))
 
@@ -171,8 +174,8 @@ class Boom(Subject):
             for joint in np.flatnonzero(np.abs(errors).max(axis=0)):
                 at = np.interp(campaign.time[rows] + joints.time[0], joints.time, errors[:, joint])
                 deviation = metric.nuisances[joint].deviation
-                column[rows] += metric.basis[rows, joint] / deviation * at / OFFSET_STEP
-        return column
+                column[rows] += metric.columns[rows, joint] / deviation * at / OFFSET_STEP
+        return metric.white(column)
 
     def _plant(self, hypothesis: Hypothesis, hinges: int) -> Plant:
         """The compiled model of a hypothesis; the last few are kept, for its other recordings."""
@@ -184,7 +187,9 @@ class Boom(Subject):
             if key not in self._plants:
                 while len(self._plants) >= KEPT:
                     self._plants.pop(next(iter(self._plants)))
-                self._plants[key] = with_effects(self._booms[hinges], hypothesis)
+                self._plants[key] = plant = with_effects(self._booms[hinges], hypothesis)
+                while not plant.stable(np.zeros(plant.model.nq)):
+                    plant.model.opt.timestep /= 2
             plant = self._plants[key]
         return Plant(plant.boom, plant.model, plant.effects)  # its scratch is its own
 

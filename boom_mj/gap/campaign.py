@@ -96,6 +96,11 @@ class Campaign:
         return np.repeat(np.asarray(values, float), np.diff(self.offsets))
 
     @cached_property
+    def channel_of(self) -> Array:
+        """Number of the channel of every entry, (N,)."""
+        return self.spread(range(len(self.channels))).astype(int)
+
+    @cached_property
     def recording_of(self) -> Array:
         """Index of the recording of every entry, (N,)."""
         return self.spread([channel.recording for channel in self.channels]).astype(int)

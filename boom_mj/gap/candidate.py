@@ -50,7 +50,7 @@ class Candidate:
     @property
     def places(self) -> tuple[tuple[str, tuple], ...]:
         """What and where, without sizes: equal for equal causes."""
-        return tuple(sorted((e.id, tuple(sorted(e.location.items()))) for e in self.effects))
+        return tuple(sorted(effect.cause for effect in self.effects))
 
     @property
     def label(self) -> str:

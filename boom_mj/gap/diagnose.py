@@ -12,7 +12,7 @@ from boom_mj.gap.campaign import Campaign
 from boom_mj.gap.candidate import Candidate, everywhere
 from boom_mj.gap.fit import ROUGH, fit
 from boom_mj.gap.judge import Closure, Judged, closure, gap, judge, worse_by
-from boom_mj.gap.metric import Metric, anchored, around, coarsely, make_metric
+from boom_mj.gap.metric import Metric, anchored, around, beside, coarsely, make_metric
 from boom_mj.gap.screen import Screened, Signatures, spectral_lines
 from boom_mj.gap.subject import Push
 
@@ -23,7 +23,8 @@ LEADERS = 2  # of which combinations are tried, and which are fitted again
 SMALLEST = 0.10  # fall of the held-out mean square that counts
 QUIET = 1.15  # held-out gap up to which nothing needs explaining
 SLACK = 0.02  # of the gap, that an explanation may leave besides
-ROUNDS, WORSE = 2, 1.2  # of polishing, and the growth of the training gap at which it is given up
+ROUNDS, WORSE = 3, 1.2  # of polishing, and the growth of the training gap at which it is given up
+NEAR = 0.05  # of a size worth finding, within which nuisances and model error stay what they are
 CLOSE = 1.5  # times the best held-out gap, up to which a rival is fitted again
 TIE = 0.03  # closure within which rivals tie
 
@@ -86,12 +87,12 @@ def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], 
     tell("contest of " + ", ".join(s.candidate.label for s in screened[:FINALISTS]))
     contest = _fit_all(metric, [s.candidate for s in shortlist(screened)])
     if contest and before > QUIET:
-        tell(f"nuisances around {contest[0].label}")
-        contest = _polished(contest)
+        contest = _polished(contest, tell)
         contest = sorted([*contest, *_fit_all(metric, _simpler(contest))], key=lambda j: j.held_out)
         for size in range(2, campaign.subject.causes + 1):
             if not solved(before, contest[0].held_out):
                 contest = _combine(contest, size, without, tell)
+        contest = _without_one(contest)
     best = choose(contest, before)
     share = closure(metric, nominal, best.fit.residual if best else nominal, campaign.held_out)
     verdict = "consistent" if before <= QUIET else "unexplained"
@@ -123,10 +124,14 @@ def shortlist(screened: Sequence[Screened]) -> list[Screened]:
 
 
 def _fit_all(metric: Metric, candidates: Sequence[Candidate]) -> list[Judged]:
-    metric = coarsely(metric)
+
+    def judged(candidate: Candidate) -> Judged:
+        own = beside(coarsely(metric), candidate.effects)
+        return judge(own, fit(own, candidate, ROUGH))
+
     with ThreadPoolExecutor(max(1, len(candidates))) as threads:
-        judged = list(threads.map(lambda c: judge(metric, fit(metric, c, ROUGH)), candidates))
-    return sorted(judged, key=lambda j: j.held_out)
+        found = list(threads.map(judged, candidates))
+    return sorted(found, key=lambda j: j.held_out)
 
 
 def solved(before: float, after: float) -> bool:
@@ -149,7 +154,7 @@ def _simpler(contest: Sequence[Judged]) -> list[Candidate]:
 
 def _combine(contest: list[Judged], size: int, without: Sequence[str], tell: Callable[[str], None]) -> list[Judged]:
     """Forward: partners for the leaders, by screening again about the machine that each leader makes."""
-    pairs: dict[tuple, Candidate] = {}
+    candidates: dict[tuple, Candidate] = {}
     for leader in [judged for judged in contest if len(judged.fit.effects) == size - 1][:LEADERS]:
         tell(f"screening beside {leader.label}")
         found, metric = leader.fit, leader.metric
@@ -159,27 +164,47 @@ def _combine(contest: list[Judged], size: int, without: Sequence[str], tell: Cal
         raw = metric.residual(*metric.predict([found.effects]))
         for partner in signatures.rank(raw, found.jacobian)[:SECONDS]:
             pair = Candidate((*found.effects, *partner.candidate.effects))
-            pairs.setdefault(pair.places, pair)
-    tell("combinations: " + ", ".join(p.label for p in pairs.values()))
-    return sorted([*contest, *_polished(_fit_all(contest[0].metric, list(pairs.values())))], key=lambda j: j.held_out)
+            candidates.setdefault(pair.places, pair)
+    tell("combinations: " + ", ".join(p.label for p in candidates.values()))
+    pairs = _polished(_fit_all(contest[0].metric, list(candidates.values())), tell)
+    return sorted([*contest, *pairs], key=lambda j: j.held_out)
 
 
-def _polished(contest: Sequence[Judged]) -> list[Judged]:
+def _without_one(contest: list[Judged]) -> list[Judged]:
+    """The contest, and what remains of its leading combination without one of its effects, from where it has them."""
+    best = contest[0]
+    if len(best.fit.effects) == 1:
+        return contest
+    parts = [Candidate(tuple(e for e in best.fit.effects if e is not one)) for one in best.fit.effects]
+    fitted = _fit_all(best.metric, parts)
+    found = [*contest, *(_polish(j) if j.held_out < CLOSE * best.held_out else j for j in fitted)]
+    best_of = {j.fit.candidate.places: j for j in sorted(found, key=lambda j: -j.held_out)}
+    return sorted(best_of.values(), key=lambda j: j.held_out)
+
+
+def _polished(contest: Sequence[Judged], tell: Callable[[str], None]) -> list[Judged]:
     """The best fitted again, and those that come close to it."""
     close = [j for j in contest if j.held_out < CLOSE * contest[0].held_out][:LEADERS]
-    return sorted([*map(_polish, close), *contest[len(close) :]], key=lambda j: j.held_out)
+    polished = []
+    for judged in close:
+        polished.append(_polish(judged))
+        tell(f"{judged.label} fitted again: held-out gap {judged.held_out:.2f} -> {polished[-1].held_out:.2f}")
+    return sorted([*polished, *contest[len(close) :]], key=lambda j: j.held_out)
 
 
 def _polish(judged: Judged) -> Judged:
     """Fit again from where the last fit has led, then with the nuisances and model error there, until it stays."""
-    for move in (anchored, *[around] * ROUNDS):
-        effects = judged.fit.effects
-        metric = move(judged.metric, effects)
+    moved = np.array(np.inf)
+    for number in range(1 + ROUNDS):
+        metric, effects = judged.metric, judged.fit.effects
+        estimate = metric.estimate(metric.residual(*metric.predict([effects])))
+        same = number == 0 or (number > 1 and np.all(moved < NEAR))
+        metric = (anchored if same else around)(metric, effects, estimate)
         again = judge(metric, fit(metric, Candidate(effects)))
         if again.train > WORSE * judged.train:
             break
         moved, judged = np.abs(again.fit.coordinates - judged.fit.coordinates), again
-        if move is around and np.all(moved < again.deviation):
+        if number and np.all(moved < again.deviation):
             break
     return judged
 

@@ -54,7 +54,7 @@ def fit(metric: Metric, candidate: Candidate, enough: float = SHARP) -> Fit:
 
     def cost_of(residual: Array, at: Array) -> float:
         estimate = metric.estimate(residual)
-        left = (residual - metric.basis @ estimate)[train]
+        left = residual[train] - metric.taught @ estimate
         return 0.5 * float(left @ left + estimate @ estimate + at @ at / PRIOR**2)
 
     def secants(at: Array, residual: Array) -> Array:
@@ -66,7 +66,7 @@ def fit(metric: Metric, candidate: Candidate, enough: float = SHARP) -> Fit:
     cost, jacobian, fresh, damping = cost_of(residual, theta), secants(theta, residual), True, 1e-3
     for _ in range(ITERATIONS):
         estimate = metric.estimate(residual)
-        slope = jacobian[train].T @ (residual - metric.basis @ estimate)[train] - theta / PRIOR**2
+        slope = jacobian[train].T @ (residual[train] - metric.taught @ estimate) - theta / PRIOR**2
         felt = metric.project(jacobian, metric.free(estimate))[train]
         square = jacobian[train].T @ felt + np.eye(len(theta)) / PRIOR**2
         step = np.linalg.solve(square + damping * np.diag(np.diag(square)), slope)

@@ -1,7 +1,8 @@
 """What counts as a difference: noise, the model's own error, and nuisances that no one calls a cause.
 
-Residuals are whitened by v = noise^2 + spread^2. The spread is what refining the model still changes; the mean
-of that change is taken out by Richardson extrapolation. Nuisances are linear columns b_i with prior deviations s_i, the
+Residuals are whitened by V = D + e e^T in every channel, D = noise^2 + spread^2. What refining the model still changes
+is added by Richardson extrapolation; the spread is half of its size within half a second, and e, half of it as it
+is, lets a share of it be wrong all along a channel. Nuisances are linear columns b_i with prior deviations s_i, the
 tolerances of the subject: zero offsets, initial states, what varies between healthy machines. They are estimated on the
 training entries and removed everywhere, so that with B = [b_i s_i] whitened
 
@@ -13,18 +14,21 @@ that would is held there and leaves B.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 from scipy.ndimage import maximum_filter1d
 from scipy.optimize import lsq_linear
 
+from boom_mj.effects import Effect
 from boom_mj.gap.campaign import Campaign
 from boom_mj.gap.subject import Hypothesis, Tolerance
 
 Array = np.ndarray
 LIMIT = 2.5  # prior deviations: what goes further is no tolerance but a cause
 LEFT = 0.5  # share of the extrapolated change that may be wrong
+FAILED = 1e3  # deviations
 REACH = 5  # blocks over which the spread is carried, for phase
 
 
@@ -35,42 +39,66 @@ class Metric:
     Attributes:
         campaign: what is measured.
         effects: of the machine about which all this is taken.
+        individual: nuisances that are simulated along, at sizes estimated before.
         level: of fidelity at which changes of that machine are simulated.
-        base: prediction of its simulation at the middle level, (N,).
+        base: prediction of its simulation at the middle level less what those nuisances do in it, linearly, (N,).
         mean_error: what a finer model would add to it, (N,).
         weight: 1 / sqrt(v), 0 where nothing was measured, (N,).
-        basis: whitened nuisance columns times their prior deviations, (N, m).
+        columns: what nuisances change per prior deviation, (N, m).
         nuisances: what they are.
-        curvature: 1 + B^T B over the training entries, (m, m).
     """
 
     campaign: Campaign
     effects: Hypothesis
+    individual: Hypothesis
     level: int
     base: Array
     mean_error: Array
     weight: Array
-    basis: Array
+    columns: Array
     nuisances: tuple[Tolerance, ...]
-    curvature: Array
+
+    @cached_property
+    def basis(self) -> Array:
+        """Whitened columns, (N, m)."""
+        return np.array([self.white(column) for column in self.columns.T]).reshape(self.columns.T.shape).T
+
+    @cached_property
+    def taught(self) -> Array:
+        """The basis on the training entries, (training, m)."""
+        return self.basis[self.campaign.train]
+
+    @cached_property
+    def curvature(self) -> Array:
+        """1 + B^T B over the training entries, (m, m)."""
+        return np.eye(len(self.nuisances)) + self.taught.T @ self.taught
+
+    @cached_property
+    def _error(self) -> tuple[Array, Array]:
+        """The scaled error that may be all along a channel, (N,), and how much of it counts as such, (channels,)."""
+        error = LEFT * self.mean_error * self.weight
+        square = np.bincount(self.campaign.channel_of, error**2, len(self.campaign.channels))
+        return error, (1 - 1 / np.sqrt(1 + square)) / np.maximum(square, 1e-12)
 
     def predict(self, hypotheses: Sequence[Hypothesis], training_only: bool = False) -> list[Array]:
         """Predictions of hypotheses, (N,) each: the base, and what a model of our level says that they change in it."""
-        own, *found = self.campaign.predict([self.effects, *hypotheses], self.level, training_only)
+        whole = [(*effects, *self.individual) for effects in (self.effects, *hypotheses)]
+        own, *found = self.campaign.predict(whole, self.level, training_only)
         return [self.base + (other - own) for other in found]
 
     def white(self, vector: Array) -> Array:
-        """Whitened, zero where nothing was measured; infinite where the simulation failed."""
-        seen = self.weight > 0
-        return np.where(
-            seen, np.where(np.isfinite(vector), vector, 1e3 / np.where(seen, self.weight, 1)) * self.weight, 0.0
-        )
+        """Whitened, zero where nothing was measured; huge where the simulation failed."""
+        scale = np.where(self.weight > 0, self.weight, 1.0)
+        scaled = np.where(self.weight > 0, np.where(np.isfinite(vector), vector * scale, FAILED), 0.0)
+        error, share = self._error
+        along = np.bincount(self.campaign.channel_of, error * scaled, len(share))
+        return scaled - (share * along)[self.campaign.channel_of] * error
 
     def estimate(self, white: Array) -> Array:
         """Nuisances that whitened training entries ask for, in units of their prior deviation, within +-LIMIT, (m,)."""
         if not self.nuisances:
             return np.zeros(0)
-        slope = self.basis[self.campaign.train].T @ white[self.campaign.train]
+        slope = self.taught.T @ white[self.campaign.train]
         root = cholesky(self.curvature)  # upper: |root x - root^-T slope|^2 is what x minimises
         return lsq_linear(root, solve_triangular(root, slope, trans="T"), (-LIMIT, LIMIT)).x
 
@@ -84,9 +112,9 @@ class Metric:
 
     def project(self, columns: Array, free: Array) -> Array:
         """Whitened columns (N, k) as they are felt while the free nuisances follow."""
-        train, basis = self.campaign.train, self.basis[:, free]
         inner = self.curvature[np.ix_(free, free)]
-        return columns - basis @ np.linalg.solve(inner, basis[train].T @ columns[train])
+        follow = np.linalg.solve(inner, self.taught[:, free].T @ columns[self.campaign.train])
+        return columns - self.basis[:, free] @ follow
 
     def residual(self, prediction: Array) -> Array:
         """Whitened measured - (prediction + mean error), (N,)."""
@@ -97,7 +125,8 @@ def make_metric(campaign: Campaign) -> Metric:
     """Simulate the healthy machine at several fidelities and with every tolerance."""
     nuisances, level = campaign.subject.tolerances(), campaign.subject.fidelity.coarse
     coarse, *shifted = campaign.predict([(), *(t.hypothesis for t in nuisances)], level)
-    return _weigh(campaign, (), level, [(s - coarse) * t.deviation for s, t in zip(shifted, nuisances)])
+    columns = [(s - coarse) * t.deviation for s, t in zip(shifted, nuisances)]
+    return _weigh(campaign, ((), (), nuisances), level, columns, np.zeros(len(columns)))
 
 
 def coarsely(metric: Metric) -> Metric:
@@ -105,38 +134,70 @@ def coarsely(metric: Metric) -> Metric:
     return replace(metric, level=metric.campaign.subject.fidelity.coarse)
 
 
-def anchored(metric: Metric, effects: Hypothesis) -> Metric:
-    """The metric with the base of a machine that has effects; weights and nuisances stay, changes are coarse."""
-    (base,) = metric.campaign.predict([effects], metric.campaign.subject.fidelity.middle)
-    return coarsely(replace(metric, effects=effects, base=base))
+def beside(metric: Metric, effects: Hypothesis) -> Metric:
+    """The metric without nuisances that effects leave nothing of."""
+    nuisances = tuple(t.beside(effects) for t in metric.nuisances)
+    kept = [bool(t.hypothesis) for t in nuisances]
+    return (
+        replace(metric, columns=metric.columns * kept, nuisances=nuisances) if nuisances != metric.nuisances else metric
+    )
 
 
-def around(metric: Metric, effects: Hypothesis) -> Metric:
-    """The metric of a machine that has effects: a heavier boom swings slower, with its nuisances and model error.
+def anchored(metric: Metric, effects: Hypothesis, estimate: Array) -> Metric:
+    """The metric with the base of a machine that has effects and nuisances; weights, columns, model error stay."""
+    metric = beside(metric, effects)
+    individual = of_size(metric.nuisances, estimate)
+    (base,) = metric.campaign.predict([(*effects, *individual)], metric.campaign.subject.fidelity.middle)
+    return replace(metric, effects=effects, individual=individual, base=base - metric.columns @ estimate)
+
+
+def around(metric: Metric, effects: Hypothesis, estimate: Array) -> Metric:
+    """The metric of a machine that has effects and nuisances: a heavier boom swings slower, with its own model error.
 
     Changes are simulated as the base is: the cost of a coarse model has minima of its own where nuisances meet limits.
     """
-    campaign, moving = metric.campaign, [t for t in metric.nuisances if not t.still]
-    hypotheses = [effects, *((*effects, *t.hypothesis) for t in moving)]
-    base, *shifted = campaign.predict(hypotheses, campaign.subject.fidelity.coarse)
+    campaign, kept = metric.campaign, anchored(metric, effects, estimate)
+    nuisances = tuple(t.beside(effects) for t in campaign.subject.tolerances())
+    whole, moving = (*effects, *kept.individual), [t for t in nuisances if not t.still]
+    coarse = [whole, *((*whole, *t.hypothesis) for t in moving)]
+    base, *shifted = campaign.predict(coarse, campaign.subject.fidelity.coarse)
     found = iter([(prediction - base) * t.deviation for prediction, t in zip(shifted, moving)])
-    kept = metric.basis / np.where(metric.weight > 0, metric.weight, 1)[:, None]
-    level = campaign.subject.fidelity.middle
-    return _weigh(campaign, effects, level, [c if t.still else next(found) for c, t in zip(kept.T, metric.nuisances)])
+    columns = [column if t.still else next(found) for column, t in zip(kept.columns.T, nuisances)]
+    about = (effects, kept.individual, nuisances)
+    return _weigh(campaign, about, campaign.subject.fidelity.middle, columns, estimate)
 
 
-def _weigh(campaign: Campaign, effects: Hypothesis, level: int, columns: Sequence[Array]) -> Metric:
-    fidelity = campaign.subject.fidelity
-    fine, base = (campaign.predict([effects], level)[0] for level in (fidelity.fine, fidelity.middle))
+def of_size(nuisances: Sequence[Tolerance], estimate: Array) -> Hypothesis:
+    """Nuisances as effects, one per cause, of sizes in prior deviations, (m,)."""
+    kinds: dict[tuple, Effect] = {}
+    values: dict[tuple, dict[str, float]] = {}
+    for share, tolerance in zip(estimate, nuisances):
+        for whole in tolerance.hypothesis:
+            sizes, kinds[whole.cause] = values.setdefault(whole.cause, {}), whole
+            for name, value in whole.values.items():
+                neutral = whole.parameters[name].neutral
+                if value != neutral:
+                    size = sizes.get(name, neutral) + share * tolerance.deviation * (value - neutral)
+                    sizes[name] = float(np.clip(size, *whole.parameters[name].bounds))
+    return tuple(type(whole)(whole.location, **values[cause]) for cause, whole in kinds.items())
+
+
+def _weigh(
+    campaign: Campaign,
+    about: tuple[Hypothesis, Hypothesis, tuple[Tolerance, ...]],
+    level: int,
+    columns: Sequence[Array],
+    estimate: Array,
+) -> Metric:
+    """The metric about a machine (effects, individual, nuisances) from its columns, without NaN."""
+    (effects, individual, nuisances), fidelity = about, campaign.subject.fidelity
+    fine, base = (campaign.predict([(*effects, *individual)], at)[0] for at in (fidelity.fine, fidelity.middle))
     refinement = (fine - base) / fidelity.shrunk
     variance = campaign.noise**2 + (LEFT * _carried(campaign, np.abs(refinement))) ** 2
     weight = np.where(campaign.used, 1 / np.sqrt(np.where(campaign.used, variance, 1.0)), 0.0)
-    basis = np.zeros((len(weight), 0))
-    if columns:
-        basis = np.stack([np.nan_to_num(column) * weight for column in columns], axis=1)
-    train = campaign.train
-    curvature = np.eye(len(columns)) + basis[train].T @ basis[train]
-    return Metric(campaign, effects, level, base, refinement, weight, basis, campaign.subject.tolerances(), curvature)
+    clean = np.array([np.nan_to_num(column) for column in columns]).reshape(len(columns), len(weight)).T
+    base = base - clean @ estimate
+    return Metric(campaign, effects, individual, level, base, np.nan_to_num(refinement), weight, clean, nuisances)
 
 
 def _carried(campaign: Campaign, size: Array) -> Array:

@@ -70,9 +70,9 @@ class Signatures:
         """
         metric, train = self.metric, self.metric.campaign.train
         estimate = metric.estimate(residual)
-        left = (residual - metric.basis @ estimate)[train]
+        left = residual[train] - metric.taught @ estimate
         # what follows freely: nuisances within their limits, and effects that are already accepted
-        follow, inner = metric.basis[train][:, metric.free(estimate)], np.eye(int(metric.free(estimate).sum()))
+        follow, inner = metric.taught[:, metric.free(estimate)], np.eye(int(metric.free(estimate).sum()))
         if given is not None:
             follow = np.hstack([follow, given[train]])
             inner = np.pad(inner, (0, given.shape[1])) + 1e-9 * np.eye(follow.shape[1])

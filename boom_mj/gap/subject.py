@@ -6,7 +6,7 @@ one (`boom.py`), an MJCF file with a channel map is another (`mjcf/`).
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -33,6 +33,11 @@ class Tolerance:
     hypothesis: Hypothesis
     deviation: float
     still: bool = False
+
+    def beside(self, effects: Hypothesis) -> "Tolerance":
+        """What is left of it in a machine that has effects: the size of an effect is all there is of its cause."""
+        causes = {effect.cause for effect in effects}
+        return replace(self, hypothesis=tuple(e for e in self.hypothesis if e.cause not in causes))
 
 
 @dataclass(frozen=True)

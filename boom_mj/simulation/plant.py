@@ -149,6 +149,15 @@ class Plant:
         damping = np.einsum("ij,i,ij->j", shape, self.model.dof_damping[self.elastic], shape)
         return Vibration(omega / (2 * np.pi), damping / (2 * omega), shape)
 
+    def stable(self, qpos: Array) -> bool:
+        """Whether the model's step keeps all modes about qpos bounded: (w h)^2 < 4 + 4 zeta w h for each.
+
+        That is the bound of semi-implicit Euler steps h with damping taken implicitly.
+        """
+        modes = self.modes(qpos)
+        turn = 2 * np.pi * modes.frequency * self.model.opt.timestep
+        return bool(np.all(turn**2 < 4 + 4 * modes.damping_ratio * turn))
+
     def static_torques(self, qpos: Array, tip_force: Array | None = None) -> Array:
         """Drive torques of joints 1-5 at rest, (5,), N m."""
         return self.rest_force(qpos, {} if tip_force is None else {"tip": tip_force})[self.joints]

@@ -27,7 +27,7 @@ def test_a_payload_asks_for_its_weight():
     campaign = Campaign(BOOM, [held], 1, threads=1)
     heavy, plain = campaign.predict([(make_effect("tip_payload", {"mass": MASS}),), ()], ONE)
     weight = np.where(campaign.used, 1 / campaign.noise, 0.0)
-    metric = Metric(campaign, (), ONE, plain, 0 * plain, weight, np.zeros((len(plain), 0)), (), np.eye(0))
+    metric = Metric(campaign, (), (), ONE, plain, 0 * plain, weight, np.zeros((len(plain), 0)), ())
     found = {(p.part, p.direction): p for p in pushes(BOOM, metric, metric.white(heavy - plain))}
 
     plant = make_plant(BOOM, 1)

@@ -8,9 +8,13 @@ import numpy as np
 import pytest
 from scipy.signal import find_peaks
 
+from boom_mj.effects import make_effect
+from boom_mj.errors import SimulationError
 from boom_mj.machine import load_machine
+from boom_mj.mjcf import build
 from boom_mj.reference import ReferenceModel, Simplifications, integrate
 from boom_mj.simulation import CATALOGUE, Plant, Trajectory, make_plant, run_experiment
+from boom_mj.simulation.plant import with_effects
 
 Array = np.ndarray
 BOOM = load_machine(Path(__file__).parents[2] / "models" / "boom36.toml")
@@ -99,3 +103,17 @@ def test_the_tip_goes_as_in_the_reference():
     print(f"released by {size:.4f} m, apart by {100 * error:.2f} %")
     assert np.ptp(wanted.tip[:, 2]) > 1.5 * size  # it has swung to the other side
     assert error < 0.02
+
+
+def test_simulations_break_where_steps_are_called_unstable():
+    rest = RELEASE.model_copy(update={"duration": RELEASE.release + 2.0})
+    for factor, holds in ((0.45, True), (0.35, False)):  # of the damping; the bound of steps of 10 ms lies at 0.39
+        boom = build(BOOM, 2)
+        boom.spec.option.timestep = 0.01
+        plant = with_effects(boom, [make_effect("structural_damping", {"factor": factor})])
+        assert plant.stable(np.zeros(plant.model.nq)) == holds
+        if holds:
+            run_experiment(plant, rest)
+        else:
+            with pytest.raises(SimulationError):
+                run_experiment(plant, rest)

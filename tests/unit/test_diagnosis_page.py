@@ -50,8 +50,8 @@ def metric(training: int) -> Metric:
     """Noise alone, without nuisances."""
     c, nuisances = campaign(training), tolerances()
     weight = np.where(c.used, 1 / c.noise, 0.0)
-    basis = np.zeros((len(weight), len(nuisances)))
-    return Metric(c, (), 2, np.nan_to_num(c.measured), 0 * weight, weight, basis, nuisances, np.eye(len(nuisances)))
+    columns = np.zeros((len(weight), len(nuisances)))
+    return Metric(c, (), (), 2, np.nan_to_num(c.measured), 0 * weight, weight, columns, nuisances)
 
 
 def residual(m: Metric, size: float) -> np.ndarray:

@@ -19,6 +19,7 @@ class LinkMass(ModelEffect):
     parameters = {"factor": Parameter("1", 1.0, 0.2, 5.0, 0.1)}
     confused_with = ("tip_payload", "pipe_concrete", "pressure_scale")
     told_by = "sweep"
+    sizes = (1.0, -1.0)
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         number, factor = int(self.location["link"]), self.values["factor"]

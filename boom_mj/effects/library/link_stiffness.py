@@ -15,6 +15,7 @@ class LinkStiffness(ModelEffect):
     parameters = {"factor": Parameter("1", 1.0, 0.2, 5.0, -0.1)}
     confused_with = ("link_stiffness of the neighbour", "hydraulic_compliance", "base_compliance", "slew_compliance")
     told_by = "release_bow_vertical"
+    sizes = (1.0, -1.0)
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         for hinge in link_hinges(spec, int(self.location["link"]), str(self.location["axis"])):

@@ -14,6 +14,7 @@ class StructuralDamping(ModelEffect):
     parameters = {"factor": Parameter("1", 1.0, 0.2, 10.0, 0.4)}
     confused_with = ("structural_hysteresis",)
     told_by = "release_stretched_vertical_half"
+    sizes = (1.0, -1.0)
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         for hinge in elastic_hinges(spec, machine):

@@ -153,6 +153,8 @@ def _drawn(case: _Case, rng: np.random.Generator) -> tuple[dict[str, Any], dict[
 
     own, drawn = nuisances(machine, rng), [draw(name, rng, visibility) for name in case.order.ids]
     effects = [effect for effect, _ in drawn]
+    named = {(effect.id, *effect.location.values()) for effect in effects}
+    own = tuple(n for n in own if (n.id, *n.location.values()) not in named)  # an effect's size is all there is of it
     plant = true_plant(machine, (*own, *effects))
     recordings = {}
     for name in names:
