@@ -124,9 +124,10 @@ def shortlist(screened: Sequence[Screened]) -> list[Screened]:
 
 
 def _fit_all(metric: Metric, candidates: Sequence[Candidate]) -> list[Judged]:
+    coarse = coarsely(metric)
 
     def judged(candidate: Candidate) -> Judged:
-        own = beside(coarsely(metric), candidate.effects)
+        own = beside(coarse, candidate.effects)
         return judge(own, fit(own, candidate, ROUGH))
 
     with ThreadPoolExecutor(max(1, len(candidates))) as threads:

@@ -131,7 +131,8 @@ def make_metric(campaign: Campaign) -> Metric:
 
 def coarsely(metric: Metric) -> Metric:
     """The metric with changes simulated by the coarse model."""
-    return replace(metric, level=metric.campaign.subject.fidelity.coarse)
+    level = metric.campaign.subject.fidelity.coarse
+    return metric if metric.level == level else replace(metric, level=level)
 
 
 def beside(metric: Metric, effects: Hypothesis) -> Metric:
