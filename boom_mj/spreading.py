@@ -12,12 +12,14 @@ import os
 import pickle
 import signal
 import threading
+import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from dataclasses import dataclass
+from importlib.util import find_spec
 from itertools import islice
 from typing import Any, Generic, TypeVar, cast
 
@@ -30,6 +32,7 @@ Result = TypeVar("Result")
 TRIES = 3  # processes of this machine that an item may kill; on a cluster the scheduler's allowed-failures counts
 AHEAD = 2  # items on their way to each process of a cluster
 PATIENCE = 20  # s, for a cluster to answer
+RECOUNT = 1.0  # s, after which the workers of a cluster are counted again
 
 
 @dataclass(frozen=True)
@@ -151,11 +154,13 @@ def _ended(client: Any, whole: Any, queue: Iterator[Item], alone: bool) -> Itera
 
     ending = distributed.as_completed(loop=client.loop, with_results=True, raise_errors=False)
     waiting: dict[Any, Item] = {}
+    room, recount = 1, 0.0
     while True:
-        try:
-            room = 1 if alone else AHEAD * max(1, len(client.nthreads()))
-        except OSError as error:
-            raise _without_scheduler(client) from error
+        if not alone and time.monotonic() > recount:
+            try:
+                room, recount = AHEAD * max(1, len(client.nthreads())), time.monotonic() + RECOUNT
+            except OSError as error:
+                raise _without_scheduler(client) from error
         for item in islice(queue, max(0, room - len(waiting))):
             future = client.submit(_call, whole, item, pure=False)
             waiting[future] = item
@@ -183,6 +188,9 @@ def _refuse_unfit(client: Any, address: str) -> None:
     workers = client.nthreads()
     if not workers:
         raise InputError(f"--cluster {address} has no workers; start some with `dask worker {address} --nthreads 1`")
+    for worker, found in client.run(find_spec, "boom_mj").items():
+        if found is None:
+            raise InputError(f"--cluster {address}: worker {worker} has no boom_mj; install this version where it runs")
     for worker, threads in workers.items():
         if threads > 1:
             raise InputError(

@@ -21,10 +21,11 @@ def way(request: pytest.FixtureRequest) -> dict:
     """The flags of either way."""
     if request.param == "processes":
         return {"jobs": 2}
+    address = request.getfixturevalue("cluster")
     import cloudpickle
 
     cloudpickle.register_pickle_by_value(sys.modules[__name__])
-    return {"cluster": request.getfixturevalue("cluster")}
+    return {"cluster": address}
 
 
 def note(item: int, folder: Path, seconds: float = 0.0, deadly: int = -1, wrong: int = -1) -> int:
@@ -91,6 +92,12 @@ def test_clusters_that_cannot_be_used_are_named(monkeypatch: pytest.MonkeyPatch)
         pytest.raises(InputError, match=r"3 threads .* --nthreads 1"),
     ):
         list(spread(abs, [1], cluster=wide.scheduler_address))
+    monkeypatch.setattr("boom_mj.spreading.find_spec", {}.get)
+    with (
+        distributed.LocalCluster(**options, n_workers=1, threads_per_worker=1) as bare,
+        pytest.raises(InputError, match=r"worker tcp://.* has no boom_mj"),
+    ):
+        list(spread(abs, [1], cluster=bare.scheduler_address))
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
