@@ -19,8 +19,10 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from importlib.util import find_spec
 from itertools import islice
+from queue import Queue
 from typing import Any, Generic, TypeVar, cast
 
 from threadpoolctl import threadpool_limits
@@ -93,7 +95,10 @@ def _in_processes(work: Callable[[Item], Result], items: Iterable[Item], jobs: i
 
     def begin(item: Item, deaths: int = 0, pool: ProcessPoolExecutor | None = None) -> None:
         pool = pool or ProcessPoolExecutor(1, context, _prepare, (packed,))
-        running[pool.submit(_do, item)] = item, deaths, pool
+        try:
+            running[pool.submit(_do, item)] = item, deaths, pool
+        except BrokenProcessPool:  # it died between two items
+            begin(item, deaths)
 
     try:
         for item in islice(queue, jobs):
@@ -149,12 +154,22 @@ def _on_cluster(work: Callable[[Item], Result], items: Iterable[Item], address: 
 
 
 def _ended(client: Any, whole: Any, queue: Iterator[Item], alone: bool) -> Iterator[Done[Item, Any]]:
-    """Items as they end on a cluster; only as many are there at once as keep it busy."""
-    from dask import distributed
+    """Items as they end on a cluster; only as many are there at once as keep it busy.
 
-    ending = distributed.as_completed(loop=client.loop, with_results=True, raise_errors=False)
-    waiting: dict[Any, Item] = {}
+    A result is taken off its worker as soon as it is there, lest the worker's death have it made again.
+    """
+    ended: Queue[tuple[Any, Done[Item, Any] | None]] = Queue()
+    waiting: set[Any] = set()
     room, recount = 1, 0.0
+
+    def take(future: Any, item: Item) -> None:
+        try:
+            done = Done(item, future.result(), None)
+        except BaseException as error:
+            done = Done(item, None, error)
+        ended.put((future, done if future.status in ("finished", "error") else None))
+        future.release()
+
     while True:
         if not alone and time.monotonic() > recount:
             try:
@@ -163,18 +178,15 @@ def _ended(client: Any, whole: Any, queue: Iterator[Item], alone: bool) -> Itera
                 raise _without_scheduler(client) from error
         for item in islice(queue, max(0, room - len(waiting))):
             future = client.submit(_call, whole, item, pure=False)
-            waiting[future] = item
-            ending.add(future)
+            waiting.add(future)
+            future.add_done_callback(partial(take, item=item))
         if not waiting:
             return
-        future, value = next(ending)
-        item = waiting.pop(future)
-        if future.status == "finished":
-            yield Done(item, value, None)
-        elif future.status == "error":
-            yield Done(item, None, value[1])
-        else:
+        future, done = ended.get()
+        waiting.remove(future)
+        if done is None:
             raise _without_scheduler(client)
+        yield done
 
 
 def _without_scheduler(client: Any) -> WorkerError:
@@ -188,7 +200,7 @@ def _refuse_unfit(client: Any, address: str) -> None:
     workers = client.nthreads()
     if not workers:
         raise InputError(f"--cluster {address} has no workers; start some with `dask worker {address} --nthreads 1`")
-    for worker, found in client.run(find_spec, "boom_mj").items():
+    for worker, found in client.run(find_spec, "boom_mj", on_error="ignore").items():
         if found is None:
             raise InputError(f"--cluster {address}: worker {worker} has no boom_mj; install this version where it runs")
     for worker, threads in workers.items():

@@ -15,6 +15,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from itertools import product
+from operator import itemgetter
 from pathlib import Path
 from typing import Any, Self
 
@@ -194,7 +195,8 @@ def run_sweep(
 
 def read_rows(folder: Path) -> list[dict[str, Any]]:
     """Rows of the points that are done, in order: number, values, recording and figures, or the error."""
-    return [json.loads(path.read_text()) for path in sorted(folder.glob("[0-9]*.json"))]
+    rows = [json.loads(path.read_text()) for path in folder.glob("[0-9]*.json")]
+    return sorted(rows, key=itemgetter("point"))
 
 
 def simulate_point(point: Point, sweep: Sweep, folder: Path) -> dict[str, Any]:

@@ -72,7 +72,7 @@ def _sweep(wanted: Sweep, folder: Path, jobs: int, cluster: str | None) -> None:
             if error:
                 print(f"warning: {error}", file=sys.stderr)
             report("points", done, len(wanted))
-    rows = read_rows(folder)
+    rows = [row for row in read_rows(folder) if row["point"] < len(wanted)]
     for row in rows:
         if "error" in row:
             print(f"warning: point {row['point']:06d}: {row['error']}", file=sys.stderr)

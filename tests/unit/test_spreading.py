@@ -48,10 +48,12 @@ def begun(folder: Path) -> list[tuple[int, int]]:
 def test_a_killed_process_loses_nothing_and_nothing_comes_twice(way: dict, tmp_path: Path) -> None:
     taken, found = [], []
     items = (taken.append(k) or k for k in range(10))
-    for done in spread(partial(note, folder=tmp_path, seconds=0.2), items, **way):
+    for done in spread(partial(note, folder=tmp_path, seconds=0.5), items, **way):
         found.append((done.item, done.result()))
         assert len(taken) <= len(found) + 4  # items are taken as they are needed
         if len(found) == 2:
+            while len(begun(tmp_path)) < 4:
+                time.sleep(0.01)
             victim = begun(tmp_path)[-1]
             os.kill(victim[1], signal.SIGKILL)
     assert sorted(found) == [(k, k * k) for k in range(10)]
