@@ -216,7 +216,7 @@ def plan(found: dict) -> dict[str, str]:
         gain = costs[name]["1"]["wall"] / costs[name][busy]["wall"] / int(busy)
         hours, memory = count * each / 3600, CORES * costs[name][busy]["memory"]
         return (
-            f"| {what} | {each:.2f} | {hours:,.0f} | {disk / 1e12:.3g} | {hours / gain / CORES / DAY:.2g} | "
+            f"| {what} | {each:.2f} | {_spaced(hours, 1)} | {disk / 1e12:.3g} | {hours / gain / CORES / DAY:.2g} | "
             f"{memory / 1e9:.0f} |"
         )
 
@@ -224,19 +224,28 @@ def plan(found: dict) -> dict[str, str]:
     picture = costs["rendering"][busy]["processor"] / items["rendering"]
     rate = NOTHING / costs["nothing"][busy]["wall"]
     rows = [
-        row(f"simulate {LOGS:,} logs of {MOTION.duration:.0f} s", "simulation", LOGS, LOGS * size["log"]),
-        row(f"diagnose {LOGS:,} logs, {cases:,} cases of {case['logs']}", "diagnosis", cases, LOGS * size["case_log"]),
-        row(f"render {IMAGES:,} pictures, PNG", "rendering", IMAGES, IMAGES * (size["png"] + size["label"])),
+        row(f"simulate {_spaced(LOGS)} logs of {MOTION.duration:.0f} s", "simulation", LOGS, LOGS * size["log"]),
+        row(
+            f"diagnose {_spaced(LOGS)} logs, {_spaced(cases)} cases of {case['logs']}",
+            "diagnosis",
+            cases,
+            LOGS * size["case_log"],
+        ),
+        row(f"render {_spaced(IMAGES)} pictures, PNG", "rendering", IMAGES, IMAGES * (size["png"] + size["label"])),
         row(f"the same, JPEG of quality {JPEG}", "rendering", IMAGES, IMAGES * (size["jpeg"] + size["label"])),
     ]
     return {
-        "plan": "\n".join(rows).replace(",", " "),
+        "plan": "\n".join(rows),
         "rate": f"{rate:.0f}",
-        "feeds": f"{rate * picture * BATCH:,.0f}".replace(",", " "),
+        "feeds": _spaced(rate * picture * BATCH),
         "layouts": f"{1000 * size['layouts_s']:.1f}",
         "layouts_h": f"{IMAGES * size['layouts_s'] / 3600:.1f}",
         "stream": f"{CORES / picture * size['png'] / 1e6:.0f}",
     }
+
+
+def _spaced(number: float, digits: int = 0) -> str:
+    return f"{number:,.{digits}f}".replace(",", " ")
 
 
 def main() -> None:
