@@ -90,7 +90,7 @@ def whole(film: Film, workers: int) -> float:
     frames = frames_of(film, 8.0, 8.0 + (WHOLE // 3 - 1) / 20, 1)
     with tempfile.TemporaryDirectory() as folder:
         began = time.perf_counter()
-        render_frames(film, frames, CLEAN, Path(folder), workers, lambda done, total: None)
+        render_frames(film, frames, CLEAN, Path(folder), lambda done, total: None, workers)
         return len(frames) / (time.perf_counter() - began)
 
 

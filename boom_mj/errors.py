@@ -33,6 +33,10 @@ class EffectError(InputError):
     """An effect, or a parameter of one, that does not exist or is out of bounds."""
 
 
+class WorkerError(BoomError):
+    """Processes that work was spread over are lost: which item none of them survived, or which scheduler is gone."""
+
+
 class LogError(BoomError):
     """A log that cannot be read or lacks what was asked of it: file, topic, joint or time are named."""
 

@@ -1,6 +1,6 @@
 """Planted truth: machines about boom36 that are calibrated from their own noisy recordings. Prints the table.
 
-python scripts/calibration.py FOLDER [--machines 50] [--workers 1] [--table FILE.md]
+python scripts/calibration.py FOLDER [--machines 50] [--jobs 1 | --cluster ADDRESS] [--table FILE.md]
                               [--tracked EXPERIMENT ... [--filmed FROM TO EVERY SCALE]]
 
 Stiffness +-20 %, masses +-10 %, damping x 0.5 to 2, zero offsets of joints +-0.3 deg, all drawn evenly; the paper's
@@ -14,7 +14,6 @@ import json
 import subprocess
 import sys
 import time
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -28,6 +27,7 @@ from boom_mj.machine import load_machine
 from boom_mj.recording import Recording
 from boom_mj.sensors import record
 from boom_mj.simulation import make_plant, run_experiment
+from boom_mj.spreading import results
 
 Array = np.ndarray
 ROOT = Path(__file__).parents[1]
@@ -49,6 +49,9 @@ class Order:
     number: int
     tracked: tuple[str, ...] = ()
     filmed: tuple[str, ...] = FILMED
+
+    def __str__(self) -> str:
+        return self.file.stem
 
     @property
     def file(self) -> Path:
@@ -85,7 +88,7 @@ def with_tracked_markers(log: Recording, truth: Setting, order: Order) -> Record
         write_mcap(log, source)
         boom = [sys.executable, "-m", "boom_mj"]
         filmed = [word for pair in zip(("--start", "--stop", "--every", "--scale"), order.filmed) for word in pair]
-        shown = ["--machine", machine, "--hinges", HINGES, "--jpeg", 90, "--workers", 1, *filmed]
+        shown = ["--machine", machine, "--hinges", HINGES, "--jpeg", 90, "--jobs", 1, *filmed]
         for line in (["render", source, "-o", work / "pictures", *shown], ["track", work / "pictures", "-o", markers]):
             subprocess.run([*boom, *map(str, line)], check=True, cwd=ROOT, stdout=subprocess.DEVNULL)
     return log.with_signals({"markers": read_mcap(markers)["markers"]})
@@ -158,22 +161,22 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--machines", type=int, default=50)
-    parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--cluster", metavar="ADDRESS")
     parser.add_argument("--tracked", nargs="*", default=(), choices=[plan.name for plan in PAPER])
     parser.add_argument("--filmed", nargs=4, default=FILMED, metavar=("FROM", "TO", "EVERY", "SCALE"))
     parser.add_argument("--table", type=Path)
     given = parser.parse_args()
+    given.folder = given.folder.resolve()
     given.folder.mkdir(parents=True, exist_ok=True)
     orders = [
         Order(given.folder, number, tuple(given.tracked), tuple(given.filmed)) for number in range(given.machines)
     ]
     missing = [order for order in orders if not order.file.exists()]
     began = time.monotonic()
-    with ProcessPoolExecutor(given.workers) as pool:
-        for done, _ in enumerate(as_completed([pool.submit(one, order) for order in missing]), 1):
-            _.result()
-            left = (time.monotonic() - began) / done * (len(missing) - done)
-            print(f"{done} of {len(missing)}, about {left / 60:.0f} min left", file=sys.stderr, flush=True)
+    for done, _ in enumerate(results(one, missing, given.jobs, given.cluster), 1):
+        left = (time.monotonic() - began) / done * (len(missing) - done)
+        print(f"{done} of {len(missing)}, about {left / 60:.0f} min left", file=sys.stderr, flush=True)
     text = table(given.folder)
     if given.table:
         with whole_file(given.table) as stream:

@@ -10,9 +10,9 @@ depth/, masks/   CAMERA/000000.png, on request: millimetres in 16 bits (0: farth
 
 import json
 import os
-import threading
 from pathlib import Path
 from typing import Any
+from uuid import uuid4
 
 from pydantic import Field, ValidationError
 
@@ -133,7 +133,7 @@ def write_bytes(path: Path, content: bytes) -> None:
     Raises:
         RenderError: the disk is full, or the place cannot be written.
     """
-    part = path.with_name(f".{path.name}.{os.getpid()}.{threading.get_ident()}.part")
+    part = path.with_name(f".{path.name}.{uuid4().hex}.part")  # process numbers repeat between machines
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         try:

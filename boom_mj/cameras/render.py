@@ -21,16 +21,19 @@ def render_dataset(
     dataset: Dataset,
     folder: Path,
     layouts: Set[str] = frozenset(("coco", "nerfstudio")),
-    workers: int = 1,
     report: Report = lambda stage, done, total: None,
+    jobs: int = 1,
+    cluster: str | None = None,
 ) -> None:
     """Fill a folder with a data set, or finish one that was begun with the same arguments.
 
-    The result is the same to the byte however often it was interrupted, and with any number of workers.
+    The result is the same to the byte however often it was interrupted, and whoever did the work; for
+    `jobs` and `cluster` see `spread`.
 
     Raises:
         DatasetError: the folder holds something else.
-        RenderError: no OpenGL, a full disk, a worker that died; what is done stays.
+        RenderError: no OpenGL, or a full disk; what is done stays.
+        WorkerError: frames that no process survives, when all others are done.
     """
     claim_folder(folder, dataset)
     write_plates(film, folder)
@@ -38,9 +41,9 @@ def render_dataset(
     for picture in dataset.calibration:
         boards.setdefault(picture.camera, []).append(folder / picture.file)
     report("chequerboards", 0, len(boards))
-    render_boards(film, dataset.chequerboard, boards, workers)
+    render_boards(film, dataset.chequerboard, boards, jobs, cluster)
     report("chequerboards", len(boards), len(boards))
-    render_frames(film, frames, look, folder, workers, lambda done, total: report("frames", done, total))
+    render_frames(film, frames, look, folder, lambda done, total: report("frames", done, total), jobs, cluster)
     report("layouts", 0, len(layouts))
     if "coco" in layouts:
         write_coco(folder, dataset, [film.model.body(k).name for k in range(film.model.nbody)])

@@ -1,11 +1,6 @@
 """A data set frame by frame, by several processes, resumable: whatever has its label is done."""
 
-import multiprocessing
-import os
-import threading
-from collections.abc import Callable, Iterable
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -17,11 +12,12 @@ from boom_mj.cameras.chequerboard import shoot_boards
 from boom_mj.cameras.dataset import sweep, write_bytes, write_json
 from boom_mj.cameras.exposure import expose, instants, noisy
 from boom_mj.cameras.film import Film
+from boom_mj.cameras.intrinsics import Intrinsics
 from boom_mj.cameras.labels import label
 from boom_mj.cameras.light import weather_of
 from boom_mj.cameras.studio import Studio, choose_headless
-from boom_mj.errors import RenderError
 from boom_mj.machine.rig import Chequerboard
+from boom_mj.spreading import results
 
 Array = np.ndarray
 Report = Callable[[int, int], None]
@@ -75,6 +71,17 @@ class Frame:
         return f"{kind}/{self.camera}/{self.number:06d}{suffix}"
 
 
+@dataclass(frozen=True)
+class Batch:
+    """Frames that a process takes at once."""
+
+    frames: tuple[Frame, ...]
+
+    def __str__(self) -> str:
+        first, last = (self.frames[k].place("images", "") for k in (0, -1))
+        return f"{first} to {last}"
+
+
 def frames_of(film: Film, start: float, stop: float, every: int) -> list[Frame]:
     """The frames that the cameras take from start to stop (s, their clocks), each `every`th one; ordered in time."""
     frames = []
@@ -113,85 +120,63 @@ def shoot(studio: Studio, frame: Frame, look: Look, folder: Path) -> None:
     write_json(folder / frame.place("labels", ".json"), {**known, **found})
 
 
-def render_frames(film: Film, frames: list[Frame], look: Look, folder: Path, workers: int, report: Report) -> None:
-    """Take all frames that are not done yet.
+def render_frames(
+    film: Film, frames: list[Frame], look: Look, folder: Path, report: Report, jobs: int = 1, cluster: str | None = None
+) -> None:
+    """Take all frames that are not done yet; for `jobs` and `cluster` see `spread`.
 
     Raises:
-        RenderError: no OpenGL, a full disk, or a worker that died; what is done stays.
+        RenderError: no OpenGL, or a full disk; what is done stays.
+        WorkerError: frames that no process survives, when all others are done.
     """
     sweep(folder)
     missing = [frame for frame in frames if not (folder / frame.place("labels", ".json")).is_file()]
-    batches = [missing[k : k + BATCH] for k in range(0, len(missing), BATCH)]
+    batches = [Batch(tuple(missing[k : k + BATCH])) for k in range(0, len(missing), BATCH)]
     done = len(frames) - len(missing)
     report(done, len(frames))
-    for taken in _in_workers(
-        workers, (film,), [partial(_shoot_all, look=look, folder=folder, frames=b) for b in batches]
-    ):
-        done += taken
+    choose_headless()
+    work = partial(_shoot_all, film=film, look=look, folder=folder.resolve())
+    for batch, _ in results(work, batches, jobs, cluster):
+        done += len(batch.frames)
         report(done, len(frames))
 
 
-def render_boards(film: Film, board: Chequerboard, files: dict[str, list[Path]], workers: int) -> None:
+def render_boards(
+    film: Film, board: Chequerboard, files: Mapping[str, list[Path]], jobs: int = 1, cluster: str | None = None
+) -> None:
     """Pictures of the chequerboard for the cameras whose files are not all there."""
-    missing = {name: paths for name, paths in files.items() if not all(path.is_file() for path in paths)}
-    jobs = [partial(_shoot_boards, board=board, camera=name, paths=paths) for name, paths in missing.items()]
-    for _ in _in_workers(workers, (film,), jobs):
+    lenses = {camera.name: camera.view.intrinsics for camera in film.rig}
+    missing = {name: [p.resolve() for p in paths] for name, paths in files.items() if not all(map(Path.is_file, paths))}
+    choose_headless()
+    work = partial(_shoot_boards, lenses=lenses, board=board, files=missing)
+    for _ in results(work, missing, jobs, cluster):
         pass
 
 
-def _shoot_all(look: Look, folder: Path, frames: list[Frame]) -> int:
-    for frame in frames:
-        shoot(_own_studio(), frame, look, folder)
-    return len(frames)
-
-
-def _shoot_boards(board: Chequerboard, camera: str, paths: list[Path]) -> int:
-    pictures = shoot_boards(_own_studio().rig[camera].view.intrinsics, board)
-    for path, picture in zip(paths, pictures, strict=True):
-        write_bytes(path, _png(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY)))
-    return len(paths)
-
-
-def _in_workers(workers: int, films: tuple[Film], jobs: list[partial[int]]) -> Iterable[int]:
-    """Results of jobs, as they come; the renderers live in processes of their own."""
-    if not jobs:
-        return
-    choose_headless()
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(min(workers, len(jobs)), context, _prepare, films)
-    try:
-        for future in as_completed([pool.submit(job) for job in jobs]):
-            yield future.result()
-    except BrokenProcessPool as error:
-        raise RenderError(
-            "a worker died, perhaps for want of memory; what is done stays, and the same call finishes it "
-            "(fewer --workers need less)"
-        ) from error
-    finally:
-        pool.shutdown(cancel_futures=True)
-
-
-_studio: list[Studio] = []  # of this worker, from its first frame on
-_film: list[Film] = []
-
-
-def _prepare(film: Film) -> None:
+def _shoot_all(batch: Batch, film: Film, look: Look, folder: Path) -> None:
     cv2.setNumThreads(1)
-    _film.append(film)
-    threading.Thread(target=_leave_with_parent, daemon=True).start()
+    studio = _own_studio(film)
+    for frame in batch.frames:
+        shoot(studio, frame, look, folder)
 
 
-def _own_studio() -> Studio:
-    if not _studio:
-        _studio.append(Studio(_film[0]))
+def _shoot_boards(
+    camera: str, lenses: Mapping[str, Intrinsics], board: Chequerboard, files: Mapping[str, list[Path]]
+) -> None:
+    cv2.setNumThreads(1)
+    for path, picture in zip(files[camera], shoot_boards(lenses[camera], board), strict=True):
+        write_bytes(path, _png(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY)))
+
+
+_studio: list[Studio] = []  # of this process: the one of the film that it shot last
+
+
+def _own_studio(film: Film) -> Studio:
+    if not _studio or _studio[0].film is not film:
+        while _studio:
+            _studio.pop().__exit__()
+        _studio.append(Studio(film))
     return _studio[0]
-
-
-def _leave_with_parent() -> None:
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
 
 
 def _png(picture: Array) -> bytes:

@@ -2,6 +2,7 @@
 
 import os
 import sys
+from copy import copy
 from dataclasses import replace
 from functools import cached_property
 from typing import Self
@@ -47,7 +48,8 @@ class Studio:
     """A dressed boom in front of its cameras; holds OpenGL contexts, so close it."""
 
     def __init__(self, film: Film) -> None:
-        self.film, self.model, self.data = film, film.model, mujoco.MjData(film.model)
+        self.film, self.model = film, copy(film.model)  # weather changes it
+        self.data = mujoco.MjData(self.model)
         self.rig = {camera.name: camera for camera in film.rig}
         self.lenses = {camera.name: Lens(camera.view.intrinsics) for camera in film.rig}
         self._renderers: dict[tuple[int, int], mujoco.Renderer] = {}

@@ -10,6 +10,11 @@ from boom_mj.machine import Machine, load_machine
 
 MachineFile = Annotated[str, typer.Argument(metavar="MACHINE.toml", help="Machine file, or a name such as boom36.")]
 Hinges = Annotated[int, typer.Option(min=1, max=32, help="Equivalent hinges per elastic coordinate of each link.")]
+Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Processes of this machine that share the work.")]
+Cluster = Annotated[
+    str | None,
+    typer.Option(metavar="ADDRESS", help="Dask scheduler whose workers share it instead; they see the same folders."),
+]
 MODELS = tuple(folder / "models" for folder in (Path(__file__).parents[1], Path(__file__).parents[2]))
 
 

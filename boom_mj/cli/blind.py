@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from boom_mj.cli.arguments import machine_text
+from boom_mj.cli.arguments import Cluster, Jobs, machine_text
 from boom_mj.errors import BoomError, InputError
 
 app = typer.Typer(help="Check the diagnosis on effects that it is not told.", no_args_is_help=True)
@@ -31,7 +31,8 @@ def make(
         bool, typer.Option("--short", help="Two training recordings and one held out, 30 s each.")
     ] = False,
     mix: Annotated[str, typer.Option(metavar="CLASS=SHARE,...", help="Shares of the classes of cases.")] = "",
-    jobs: Annotated[int, typer.Option(min=1, help="Processes.")] = 1,
+    jobs: Jobs = 1,
+    cluster: Cluster = None,
 ) -> None:
     """Simulate cases with hidden effects: logs in DIR, answers in a sealed file elsewhere, its hash in DIR.
 
@@ -46,7 +47,8 @@ def make(
         raise InputError(f"{seed_file}: there is no such seed file")
     suite, shares = SHORT if short else SUITE, _shares(mix) if mix else dict(MIX)
     with progress() as report:
-        for done in make_cases(cases, seed_file.read_bytes(), machine_text(machine), suite, shares, output, seal, jobs):
+        secret, text = seed_file.read_bytes(), machine_text(machine)
+        for done in make_cases(cases, secret, text, suite, shares, output, seal, jobs, cluster):
             report("cases", done, cases)
     print(f"{cases} cases in {output}, sealed in {seal}: {(output / 'seal.sha256').read_text().strip()}")
 
@@ -54,13 +56,11 @@ def make(
 @app.command()
 def run(
     folder: Folder,
-    jobs: Annotated[int, typer.Option(min=1, help="Processes.")] = 1,
+    jobs: Jobs = 1,
     output: Annotated[
         Path | None, typer.Option("-o", metavar="DIR", help="For the answers; DIR-answers if left out.")
     ] = None,
-    cluster: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler whose workers see the same folders.")
-    ] = None,
+    cluster: Cluster = None,
 ) -> None:
     """Diagnose every case that has no answer yet, each by a process that can open nothing but its case."""
     from boom_mj.cli.progress import progress

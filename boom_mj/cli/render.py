@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from boom_mj.cli.arguments import Hinges, find_machine, output_path
+from boom_mj.cli.arguments import Cluster, Hinges, find_machine, output_path
 from boom_mj.cli.progress import progress
 from boom_mj.errors import InputError
 from boom_mj.logs import read_log, write_mcap
@@ -49,7 +49,8 @@ def command(
     ] = "coco,nerfstudio",
     sheet: Annotated[Path | None, typer.Option(metavar="PNG", help="Contact sheet.")] = None,
     hinges: Hinges = 1,
-    workers: Annotated[int, typer.Option(min=1, max=64, help="Processes that render.")] = 2,
+    jobs: Annotated[int, typer.Option("--jobs", "--workers", min=1, max=64, help="Processes that render.")] = 2,
+    cluster: Cluster = None,
 ) -> None:
     """Render a motion in front of the machine's cameras, with labels; killed, the same call finishes the rest."""
     from boom_mj.cameras.describe import describe
@@ -75,7 +76,7 @@ def command(
     }  # fmt: skip
     dataset = describe(film, frames, look, calibration, recording.name, recording.description, options)
     with progress() as report:
-        render_dataset(film, frames, look, dataset, output, wanted, workers, report)
+        render_dataset(film, frames, look, dataset, output, wanted, report, jobs, cluster)
     if "mcap" in wanted:
         from boom_mj.logs.pictures import picture_messages
 

@@ -1,32 +1,63 @@
-"""simulate: an experiment as a recording."""
+"""simulate: an experiment as a recording, or over ranges of values as many."""
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
 import numpy as np
 import typer
 
-from boom_mj.cli.arguments import Hinges, MachineFile, find_machine, output_path
+from boom_mj.cli.arguments import Cluster, Hinges, Jobs, MachineFile, find_machine, output_path
+from boom_mj.cli.progress import progress
 from boom_mj.effects import parse_effect
+from boom_mj.errors import BoomError, InputError
 from boom_mj.logs import write_mcap
 from boom_mj.sensors import boom_scene, record
 from boom_mj.simulation import CATALOGUE, Trajectory, load_experiment, make_plant, run_experiment
+from boom_mj.sweeping import Axis, Sweep, figures, read_rows, run_sweep
 
 
 def command(
     machine: MachineFile,
     experiment: Annotated[str, typer.Argument(help=f"A .toml of your own, or one of: {', '.join(CATALOGUE)}.")],
-    output: Annotated[Path | None, typer.Option("-o", metavar="OUT.mcap", help="Recording to write.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", metavar="OUT.mcap|DIR", help="Recording to write; of a sweep, its folder.")
+    ] = None,
     hinges: Hinges = 1,
     effect: Annotated[list[str] | None, typer.Option(metavar="ID:key=value,...", help="Effect to add.")] = None,
     seed: Annotated[int, typer.Option(help="Of the sensor noise.")] = 0,
     scene: Annotated[bool, typer.Option("--scene", help="Add /tf and /scene: a viewer shows the boom moving.")] = False,
     noise: Annotated[bool, typer.Option(help="Sensor noise of the machine file.")] = True,
+    sweep: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="RANGE", help="Range of a machine value or of an effect's parameter; may come several times."
+        ),
+    ] = None,
+    draws: Annotated[
+        int | None, typer.Option(min=1, help="Points drawn evenly from ranges without /N; a grid if left out.")
+    ] = None,
+    jobs: Jobs = 1,
+    cluster: Cluster = None,
 ) -> None:
-    """Simulate an experiment from rest and write what the machine's sensors record, as MCAP."""
+    """Simulate an experiment from rest and write what the machine's sensors record, as MCAP.
+
+    --sweep simulates it over ranges: link3.mass=500..700/5 (a value of the machine file),
+    tip_payload:mass=0..100/11, link_stiffness:link=3,axis=v,factor=0.8..1.2/5. The folder gets a recording per point
+    and table.csv; stopped, the same call does the rest.
+    """
+    plan, effects = load_experiment(experiment), [parse_effect(text) for text in effect or []]
+    if sweep:
+        if output is None:
+            raise InputError("a sweep needs a folder for its recordings: -o DIR")
+        axes = tuple(Axis.parse(text) for text in sweep)
+        wanted = Sweep(find_machine(machine), plan, axes, hinges, tuple(effects), draws, noise, seed, scene)
+        _sweep(wanted, output, jobs, cluster)
+        return
+    if draws is not None or cluster is not None or jobs > 1:
+        raise InputError("--draws, --jobs and --cluster are for a sweep: give a range with --sweep")
     if output is not None:
         output_path(output, ".mcap")
-    plan, effects = load_experiment(experiment), [parse_effect(text) for text in effect or []]
     trajectory = run_experiment(make_plant(find_machine(machine), hinges, effects), plan)
     rng = np.random.default_rng(seed) if noise else None
     recording = record(trajectory, plan, rng)
@@ -35,15 +66,30 @@ def command(
     _print_summary(trajectory, plan.duration, output)
 
 
+def _sweep(wanted: Sweep, folder: Path, jobs: int, cluster: str | None) -> None:
+    with progress() as report:
+        for done, error in run_sweep(wanted, folder, jobs, cluster):
+            if error:
+                print(f"warning: {error}", file=sys.stderr)
+            report("points", done, len(wanted))
+    rows = [row for row in read_rows(folder) if row["point"] < len(wanted)]
+    for row in rows:
+        if "error" in row:
+            print(f"warning: point {row['point']:06d}: {row['error']}", file=sys.stderr)
+    made = sum("error" not in row for row in rows)
+    print(f"points        {made} of {len(wanted)} recorded in {folder}")
+    print(f"table         {folder / 'table.csv'}")
+    if made < len(wanted):
+        raise BoomError(f"{len(wanted) - made} of {len(wanted)} points have no recording")
+
+
 def _print_summary(trajectory: Trajectory, duration: float, output: Path | None) -> None:
-    tip = trajectory.sensor(f"marker{len(trajectory.plant.machine.sensors.markers_x) * 4}")
-    low, high = tip.min(axis=0), tip.max(axis=0)
+    found = figures(trajectory)
     print(f"simulated     {duration:g} s, {len(trajectory.time)} steps")
-    print(f"tip at start  x {tip[0, 0]:8.3f}  y {tip[0, 1]:8.3f}  z {tip[0, 2]:8.3f} m")
-    print(f"tip at end    x {tip[-1, 0]:8.3f}  y {tip[-1, 1]:8.3f}  z {tip[-1, 2]:8.3f} m")
-    print(f"tip moved     x {np.ptp(tip[:, 0]):8.3f}  y {np.ptp(tip[:, 1]):8.3f}  z {high[2] - low[2]:8.3f} m")
-    force = trajectory.cylinder_force / 1000
-    for k in range(2):
-        print(f"cylinder {k + 2}    {force[:, k].min():.1f} .. {force[:, k].max():.1f} kN")
+    for label, name in (("tip at start", "tip_start"), ("tip at end  ", "tip_end"), ("tip moved   ", "tip_range")):
+        x, y, z = (found[f"{name}_{axis}"] for axis in "xyz")
+        print(f"{label}  x {x:8.3f}  y {y:8.3f}  z {z:8.3f} m")
+    for k in (2, 3):
+        print(f"cylinder {k}    {found[f'cylinder{k}_min'] / 1000:.1f} .. {found[f'cylinder{k}_max'] / 1000:.1f} kN")
     if output is not None:
         print(f"recording     {output}")

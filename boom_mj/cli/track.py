@@ -25,7 +25,9 @@ def command(
     at: Annotated[float | None, typer.Option(help="Time of the overlay, s; the middle if left out.")] = None,
     film: Annotated[Path | None, typer.Option("--video", metavar="WEBM", help="The same, moving.")] = None,
     camera: Annotated[str | None, typer.Option(help="Of the video; the first if left out.")] = None,
-    workers: Annotated[int, typer.Option(min=1, max=64, help="Processes, one per camera at most.")] = 2,
+    workers: Annotated[
+        int, typer.Option("--jobs", "--workers", min=1, max=64, help="Processes, one per camera at most.")
+    ] = 2,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")] = False,
 ) -> None:
     """Calibrate lenses and places, find and follow the marker plates, give positions where two cameras agree."""

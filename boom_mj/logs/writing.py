@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
+from uuid import uuid4
 
 import numpy as np
 from mcap.writer import CompressionType, Writer
@@ -52,7 +53,7 @@ def write_mcap(
 @contextmanager
 def whole_file(path: Path) -> Iterator[IO[bytes]]:
     """Stream to a file that appears under its name when the block ends, and not at all if it fails."""
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    part = path.with_name(f".{path.name}.{uuid4().hex}.part")  # process numbers repeat between machines
     try:
         try:
             with part.open("wb") as stream:

@@ -6,6 +6,7 @@ from boom_mj.machine.model import Link as Link
 from boom_mj.machine.model import Machine as Machine
 from boom_mj.machine.model import load_machine as load_machine
 from boom_mj.machine.model import parse_machine as parse_machine
+from boom_mj.machine.model import with_values as with_values
 from boom_mj.machine.rig import Camera as Camera
 from boom_mj.machine.rig import Targets as Targets
 from boom_mj.machine.shapes import AXES as AXES

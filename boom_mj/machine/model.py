@@ -6,9 +6,10 @@ properties beside them are in radians. A `Pair` is (root, tip); what lies betwee
 
 import math
 import tomllib
+from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Literal, Self, get_args
+from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
 
@@ -284,6 +285,33 @@ def parse_machine(text: str, source: str = "machine file") -> Machine:
         raise MachineFileError(f"{source}: not a TOML file: {error}") from error
     except ValidationError as error:
         raise MachineFileError("\n".join(f"{source}: {line}" for line in _sentences(error))) from error
+
+
+def with_values(machine: Machine, values: Mapping[str, float]) -> Machine:
+    """The machine with other numbers at places of its file: "link3.mass", "damping.bending", "link2.wall.0".
+
+    Raises:
+        MachineFileError: there is no such number, with what there is; or a value that is not allowed.
+    """
+    content: dict[str, Any] = machine.model_dump(mode="json")
+    content |= {link["name"]: link for link in content.pop("link")}
+    for place, value in values.items():
+        node: Any = content
+        parts = place.split(".")
+        for k, part in enumerate(parts):
+            keys = {str(key): key for key in (range(len(node)) if isinstance(node, list) else node)}
+            if part not in keys or isinstance(node[keys[part]], dict | list) != (k + 1 < len(parts)):
+                within = f"in {'.'.join(parts[:k])}" if k else "at its top"
+                raise MachineFileError(f"the machine file has no number {place}; {within} there are {', '.join(keys)}")
+            holder, key, node = node, keys[part], node[keys[part]]
+        if not isinstance(node, int | float):
+            raise MachineFileError(f"the machine file has no number {place}: it is {node!r}")
+        holder[key] = value
+    content["link"] = [content.pop(link.name) for link in machine.link]
+    try:
+        return Machine.model_validate(content)
+    except ValidationError as error:
+        raise MachineFileError("; ".join(_sentences(error))) from error
 
 
 def _sentences(error: ValidationError) -> list[str]:

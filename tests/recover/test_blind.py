@@ -19,8 +19,8 @@ SECRET = b"a secret that everybody may read"
 MIXTURE = {"single": 1.0, "none": 1.0}
 
 
-def make(at: Path, cases: int, mix: dict[str, float]) -> list[int]:
-    return list(make_cases(cases, SECRET, MACHINE, SHORT, mix, at / "cases", at / "seal.json", 1))
+def make(at: Path, cases: int, mix: dict[str, float], cluster: str | None = None) -> list[int]:
+    return list(make_cases(cases, SECRET, MACHINE, SHORT, mix, at / "cases", at / "seal.json", 1, cluster))
 
 
 @pytest.fixture(scope="module")
@@ -69,21 +69,21 @@ def test_no_file_holds_a_word_of_the_seal(made: Path) -> None:
         assert listed in effect_library() and listed not in [effect["id"] for effect in truth["effects"]]
 
 
-def test_an_interrupted_making_goes_on_and_ends_in_the_same_seal(made: Path, tmp_path: Path) -> None:
-    """As if it had been killed within its healthy case."""
+def test_an_interrupted_making_goes_on_and_ends_in_the_same_seal(made: Path, cluster: str, tmp_path: Path) -> None:
+    """As if it had been killed within its healthy case, and went on on a cluster."""
     (ill,) = [case for case, truth in sealed(made).items() if truth["class"] == "single"]
     parts = tmp_path / "seal.parts"
     parts.mkdir()
     (parts / f"{ill}.json").write_text(json.dumps(sealed(made)[ill]))
     shutil.copytree(made / "cases" / ill, tmp_path / "cases" / ill)
-    assert make(tmp_path, 2, MIXTURE) == [1, 2]
+    assert make(tmp_path, 2, MIXTURE, cluster) == [1, 2]
     assert (tmp_path / "seal.json").read_bytes() == (made / "seal.json").read_bytes()
     for path in (made / "cases").rglob("*.mcap"):
         assert (tmp_path / path.relative_to(made)).read_bytes() == path.read_bytes()
 
 
 @pytest.mark.slow
-def test_from_the_secret_to_the_score(made: Path) -> None:
+def test_from_the_secret_to_the_score(made: Path, cluster: str) -> None:
     """The healthy machine is diagnosed; the other case has an answer already, which stays as it is."""
     answers, truths = made / "answers", sealed(made)
     (ill,) = [case for case, truth in truths.items() if truth["class"] == "single"]
@@ -100,7 +100,7 @@ def test_from_the_secret_to_the_score(made: Path) -> None:
     (answers / f"{ill}.json").write_text(json.dumps(kept))
     waiting, count = waiting_cases(made / "cases", answers)
     assert ([case.name for case in waiting], count) == ([healthy], 2)
-    assert list(answer_cases(waiting, MACHINE, answers)) == [(waiting[0], None)]
+    assert list(answer_cases(waiting, MACHINE, answers, cluster=cluster)) == [(waiting[0], None)]
     assert json.loads((answers / f"{ill}.json").read_text()) == kept
     found = score(made / "cases", made / "seal.json", answers)
     assert {o.case: (o.truth, o.answer, o.right) for o in found.outcomes}[healthy] == ("none", "consistent", True)

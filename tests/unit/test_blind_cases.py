@@ -1,11 +1,7 @@
 """How blind cases are drawn, and what a process that diagnoses one can reach."""
 
 import os
-import signal
-import sys
-import time
 from collections import Counter
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +13,6 @@ from boom_mj.errors import InputError
 from boom_mj.gap.blind import MIX, SHORT, make_cases, waiting_cases
 from boom_mj.gap.blind.confining import confined_to
 from boom_mj.gap.blind.drawing import NUISANCE, draw, orders
-from boom_mj.gap.blind.running import spread
 from boom_mj.gap.blind.strangers import STRANGERS
 from boom_mj.gap.blind.truth import HINGES, true_plant
 from boom_mj.gap.boom import FINE
@@ -118,27 +113,3 @@ def test_a_campaign_with_its_seal_inside_is_not_run(tmp_path: Path) -> None:
     (tmp_path / "aa" / "notes").write_bytes(b"truth")
     with pytest.raises(InputError, match="notes is the seal"):
         waiting_cases(tmp_path, tmp_path / "answers")
-
-
-def slowly(item: Path, began: Path) -> str:
-    (began / f"{item.name}-{os.getpid()}").touch()
-    time.sleep(0.4)
-    return item.name
-
-
-def test_a_killed_worker_loses_nothing(tmp_path: Path) -> None:
-    distributed = pytest.importorskip("distributed")
-    import cloudpickle
-
-    cloudpickle.register_pickle_by_value(sys.modules[__name__])
-    items = [tmp_path / f"item{k}" for k in range(10)]
-    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None, "host": "127.0.0.1"}
-    with distributed.LocalCluster(**options, local_directory=str(tmp_path / "dask")) as cluster:
-        found, killed = [], 0
-        for item, result in spread(partial(slowly, began=tmp_path), items, 1, cluster.scheduler_address):
-            found.append((item.name, result.result()))
-            if len(found) == 2:
-                killed = int(max(tmp_path.glob("item*-*"), key=os.path.getmtime).name.partition("-")[2])
-                os.kill(killed, signal.SIGKILL)
-    assert sorted(found) == sorted((item.name, item.name) for item in items)
-    assert killed and len(list(tmp_path.glob("item*-*"))) > len(items)  # what it had begun was begun again

@@ -45,7 +45,7 @@ readout = 0.01
 """
 RIG = CAMERA.format(name="right", position=[5.5, -11.5, 2.5], focal=390.0)
 RIG += CAMERA.format(name="left", position=[7.0, 10.5, 5.0], focal=390.0)
-SHORT = ("--start", 8.0, "--stop", 8.1, "--workers", 2)
+SHORT = ("--start", 8.0, "--stop", 8.1, "--jobs", 2)
 
 
 def can_render() -> bool:
@@ -171,6 +171,17 @@ def test_killed_and_started_again_gives_the_same_bytes(machine: Path, made: Path
 
     other = boom("render", machine, "-o", folder, "--start", 8.0, "--stop", 8.2)
     assert other.returncode == 2 and "another data set" in other.stderr and "stop" in other.stderr
+
+
+@needs_egl
+def test_a_cluster_makes_the_same_bytes(machine: Path, made: Path, tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    options = {"threads_per_worker": 1, "dashboard_address": None, "host": "127.0.0.1", "env": {"MUJOCO_GL": "egl"}}
+    layouts = ("--masks", "--depth", "--layout", "coco,nerfstudio,bop,mcap")
+    with distributed.LocalCluster(n_workers=1, **options, local_directory=str(tmp_path / "dask")) as cluster:
+        done = boom("render", machine, "-o", tmp_path / "set", *SHORT, *layouts, "--cluster", cluster.scheduler_address)
+    assert done.returncode == 0, done.stderr
+    assert files(tmp_path / "set") == files(made)
 
 
 @needs_egl

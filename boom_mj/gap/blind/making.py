@@ -13,11 +13,9 @@ holds what its sensors said and nothing else (reading and writing it again gives
 import json
 import os
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from functools import cache
 from hashlib import sha256
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +31,7 @@ from boom_mj.machine import parse_machine
 from boom_mj.recording import Recording
 from boom_mj.sensors import record
 from boom_mj.simulation import CATALOGUE, run_experiment
+from boom_mj.spreading import results
 
 SECRET = 16  # bytes that a seed file must have, or else it can be guessed from its hash
 STAMP = 946684800  # s, the year 2000: modification time of everything in a campaign
@@ -65,9 +64,20 @@ class _Case:
     machine: str
     folder: str
 
+    def __str__(self) -> str:
+        return f"case {self.name}"
+
 
 def make_cases(
-    cases: int, secret: bytes, machine: str, suite: Suite, mix: dict[str, float], folder: Path, seal: Path, jobs: int
+    cases: int,
+    secret: bytes,
+    machine: str,
+    suite: Suite,
+    mix: dict[str, float],
+    folder: Path,
+    seal: Path,
+    jobs: int = 1,
+    cluster: str | None = None,
 ) -> Iterator[int]:
     """Make a campaign; yields how many cases are done. Cases that an earlier call has finished stay as they are.
 
@@ -76,6 +86,7 @@ def make_cases(
         machine: text of the nominal machine's file.
         mix: class -> share.
         seal: file for the answers, outside the folder.
+        jobs, cluster: see `spread`.
 
     Raises:
         InputError: the seal would lie among the cases, the secret is too short, the campaign is sealed already.
@@ -90,7 +101,7 @@ def make_cases(
     entropy = tuple(int(word) for word in np.frombuffer(digest, "<u4"))
     drawn = orders(cases, mix, np.random.default_rng(entropy))
     todo = [
-        _Case(_hash(digest, "case", k)[:12], (*entropy, k), order, suite, machine, str(folder))
+        _Case(_hash(digest, "case", k)[:12], (*entropy, k), order, suite, machine, str(folder.resolve()))
         for k, order in enumerate(drawn)
     ]
     parts = seal.with_suffix(".parts")
@@ -98,11 +109,9 @@ def make_cases(
     folder.mkdir(parents=True, exist_ok=True)
     waiting = [case for case in todo if not (parts / f"{case.name}.json").exists()]
     yield len(todo) - len(waiting)
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-        futures = {pool.submit(_make, case): case for case in waiting}
-        for number, future in enumerate(as_completed(futures), len(todo) - len(waiting) + 1):
-            _write_json(parts / f"{futures[future].name}.json", future.result())
-            yield number
+    for number, (case, answer) in enumerate(results(_make, waiting, jobs, cluster), len(todo) - len(waiting) + 1):
+        _write_json(parts / f"{case.name}.json", answer)
+        yield number
     answers = {case.name: json.loads((parts / f"{case.name}.json").read_text()) for case in todo}
     salt = {"salt": _hash(digest, "salt", 0), "seed_sha256": sha256(secret).hexdigest()}
     _write_json(seal, {**salt, "cases": dict(sorted(answers.items()))})
@@ -110,6 +119,8 @@ def make_cases(
         stream.write(machine.encode())
     with whole_file(folder / "seal.sha256") as stream:
         stream.write(f"{sha256(seal.read_bytes()).hexdigest()}\n".encode())
+    for half in folder.rglob(".*.part"):  # of processes that died
+        half.unlink()
     _same_times(folder)
     for part in parts.iterdir():
         part.unlink()

@@ -1,18 +1,15 @@
-"""Diagnosing blind cases by processes, of this machine or of a Dask cluster.
+"""Diagnosing blind cases, spread over processes.
 
 A process gets the path of one case and the text of the nominal machine; answers come back to the caller, who writes
-each of them whole. What was interrupted goes on where it was; what a dead worker had begun is begun again by another.
+each of them whole. What was interrupted goes on where it was.
 """
 
 import json
 import time
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Iterator, Sequence
 from functools import partial
 from hashlib import sha256
-from multiprocessing import get_context
 from pathlib import Path
-from typing import Any, Protocol
 
 from boom_mj.errors import InputError
 from boom_mj.gap.answer import document
@@ -21,12 +18,7 @@ from boom_mj.gap.campaign import Campaign
 from boom_mj.gap.diagnose import diagnose
 from boom_mj.logs import read_log, whole_file
 from boom_mj.machine import parse_machine
-
-
-class Pending(Protocol):
-    """A result on its way, of a pool or of a cluster."""
-
-    def result(self) -> Any: ...
+from boom_mj.spreading import spread
 
 
 def waiting_cases(folder: Path, answers: Path) -> tuple[list[Path], int]:
@@ -53,35 +45,17 @@ def answer_cases(
     Args:
         machine: text of the nominal machine's file.
         answers: folder for the answers.
-        cluster: address of a Dask scheduler whose workers see the cases under the same paths.
+        jobs, cluster: see `spread`.
     """
     answers.mkdir(parents=True, exist_ok=True)
-    for case, pending in spread(partial(solve, machine=machine), cases, jobs, cluster):
+    for done in spread(partial(solve, machine=machine), [case.resolve() for case in cases], jobs, cluster):
         try:
-            with whole_file(answers / f"{case.name}.json") as stream:
-                stream.write(pending.result().encode())
+            with whole_file(answers / f"{done.item.name}.json") as stream:
+                stream.write(done.result().encode())
         except Exception as error:  # one bad case must not end the campaign
-            yield case, error
+            yield done.item, error
         else:
-            yield case, None
-
-
-def spread(
-    work: Callable[[Path], str], items: Sequence[Path], jobs: int, cluster: str | None
-) -> Iterator[tuple[Path, Pending]]:
-    """Work on items in processes; yields each with its result as it ends."""
-    if cluster is None:
-        with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-            futures = {pool.submit(work, item): item for item in items}
-            yield from ((futures[future], future) for future in as_completed(futures))
-        return
-    try:
-        from dask import distributed
-    except ImportError as error:
-        raise InputError("--cluster needs the optional packages: pip install 'boom_mj[cluster]'") from error
-    with distributed.Client(cluster) as client:
-        remote = {client.submit(work, item, pure=False): item for item in items}
-        yield from ((remote[future], future) for future in distributed.as_completed(remote))
+            yield done.item, None
 
 
 def solve(case: Path, machine: str) -> str:
