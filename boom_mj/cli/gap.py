@@ -145,7 +145,8 @@ def _summary(answer: dict[str, Any]) -> str:
         lines.append(f"  {effect['id']} {place}")
         for name, p in effect["parameters"].items():
             interval = " .. ".join("inf" if p[end] is None else f"{p[end]:.4g}" for end in ("low", "high"))
-            lines.append(f"      {name:16} {p['value']:.4g} {p['unit']}   95 %: {interval}")
+            size = f"{p['value']:.4g} {p['unit']}".removesuffix(" 1")
+            lines.append(f"      {name:16} {size}   95 %: {interval}")
     for part, gaps in (("training", answer["gap"]["train"]), ("held out", answer["gap"]["holdout"])):
         lines.append(f"  gap {part:9} {gaps['before']:7.2f} -> {gaps['after']:.2f}   (floor 1)")
     for rival in answer["rivals"][:4]:
