@@ -1,7 +1,7 @@
 """Pages of the documentation that come from the code: a hook of mkdocs (mkdocs.yml), built by scripts/site.
 
 Home is the README, the commands come from the command line's own help, the Python reference from what the rooms
-export, the effects from the library, and the equations (docs/equations.md) get links to the code that says their numbers.
+export, the effects from the library, and docs/equations.md gets links to the code that says the equations' numbers.
 """
 
 import ast
@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import typer
 import typer.cli
+from pydantic import BaseModel
 
 from boom_mj.cli import app
 from boom_mj.effects import effect_library
@@ -60,7 +61,9 @@ def on_files(files, config):  # type: ignore[no-untyped-def]
     for name, text in pages.items():
         files.append(File.generated(config, name, content=text))
     for path in sorted({mention.path for found in mentions().values() for mention in found}):
-        listing = File.generated(config, listing_of(path), content=f"# {path.name}\n\n```python\n{path.read_text()}```\n")
+        listing = File.generated(
+            config, listing_of(path), content=f'# {path.name}\n\n```python linenums="1"\n{path.read_text()}```\n'
+        )
         listing.inclusion = InclusionLevel.NOT_IN_NAV
         files.append(listing)
     return files
@@ -116,14 +119,25 @@ def _home_of(module: ModuleType, name: str) -> str:
 
 def python() -> str:
     """What the rooms export; a name that a room above has shown is listed under `boom_mj` once."""
-    lines, shown = ["# Python", "", "What `boom_mj` exports comes first, then what its rooms export besides.", ""], set()
+    lines, shown = (
+        ["# Python", "", "What `boom_mj` exports comes first, then what its rooms export besides.", ""],
+        set(),
+    )
     for room, paths in public_paths().items():
         new = [path for path in paths if path not in shown]
         shown |= set(new)
         lines += [f"## {room}", "", inspect.getdoc(import_module(room)) or "", ""]
         for path in new:
-            lines += [f"::: {path}", "    options:", "      heading_level: 3", ""]
+            lines += [f"::: {path}", "    options:", "      heading_level: 3"]
+            lines += ["      show_if_no_docstring: true", ""] if _is_table(path) else [""]
     return "\n".join(lines)
+
+
+def _is_table(path: str) -> bool:
+    """Whether the fields of a class are all there is to say, as of machine files."""
+    module, _, name = path.rpartition(".")
+    thing = getattr(import_module(module), name)
+    return isinstance(thing, type) and issubclass(thing, BaseModel)
 
 
 # Effects
@@ -153,7 +167,8 @@ def _paragraphs(kind: type) -> str:
 def _table(parameters: dict[str, Parameter]) -> list[str]:
     rows = ["| parameter | unit | neutral | from | to | typical |", "|---|---|---|---|---|---|"]
     return rows + [
-        f"| {name} | {p.unit} | {p.neutral:g} | {p.low:g} | {p.high:g} | {p.typical:g} |" for name, p in parameters.items()
+        f"| {name} | {p.unit} | {p.neutral:g} | {p.low:g} | {p.high:g} | {p.typical:g} |"
+        for name, p in parameters.items()
     ]
 
 
@@ -229,3 +244,23 @@ def _link(mention: Mention) -> str:
 def listing_of(path: Path) -> str:
     """The page that shows a file of the package."""
     return f"code/{path.relative_to(PACKAGE).with_suffix('.md').as_posix()}"
+
+
+# How much of it is documented
+
+
+def undocumented() -> tuple[int, list[str]]:
+    """How many names the rooms export, methods and properties included, and those without a docstring of their own."""
+    from griffe import load
+
+    package, count, bare = load("boom_mj", search_paths=[ROOT]), 0, []
+    for path in sorted({path for paths in public_paths().values() for path in paths}):
+        found = package[path.removeprefix("boom_mj.")]
+        said = {path: found.has_docstring}
+        for base in reversed((found, *found.mro())) if found.is_class else ():
+            for name, member in base.members.items():
+                if not name.startswith("_") and (member.is_function or "property" in member.labels):
+                    said[f"{path}.{name}"] = member.has_docstring or said.get(f"{path}.{name}", False)
+        count += len(said)
+        bare += [name for name, documented in said.items() if not documented]
+    return count, bare

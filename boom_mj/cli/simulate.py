@@ -18,12 +18,21 @@ def command(
     experiment: Annotated[str, typer.Argument(help=f"A .toml of your own, or one of: {', '.join(CATALOGUE)}.")],
     output: Annotated[Path | None, typer.Option("-o", metavar="OUT.mcap", help="Recording to write.")] = None,
     hinges: Hinges = 1,
-    effect: Annotated[list[str] | None, typer.Option(metavar="ID:key=value,...", help="Effect to add.")] = None,
-    seed: Annotated[int, typer.Option(help="Of the sensor noise.")] = 0,
+    effect: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="ID:key=value,...",
+            help="Effect to add, in SI units; `gap effects` lists them; several may be given.",
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Seed of the sensor noise.")] = 0,
     scene: Annotated[bool, typer.Option("--scene", help="Add /tf and /scene: a viewer shows the boom moving.")] = False,
-    noise: Annotated[bool, typer.Option(help="Sensor noise of the machine file.")] = True,
+    noise: Annotated[bool, typer.Option(help="With the sensor noise of the machine file.")] = True,
 ) -> None:
-    """Simulate an experiment from rest and write what the machine's sensors record, as MCAP."""
+    """Simulate an experiment from rest and write what the machine's sensors record, as MCAP.
+
+    Example: python -m boom_mj simulate boom36 release_bow_vertical -o log.mcap --effect tip_payload:mass=40
+    """
     if output is not None:
         output_path(output, ".mcap")
     plan, effects = load_experiment(experiment), [parse_effect(text) for text in effect or []]
