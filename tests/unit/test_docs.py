@@ -92,7 +92,9 @@ def test_blocks_of_code_are_good(page: Path, tmp_path: Path) -> None:
         if language == "toml" and title:
             (tmp_path / title).write_text(text)
             file = tmp_path / title
-            load_channel_map(file) if "[[channel]]" in text else load_experiment(str(file))
+            load_channel_map(file) if "[[channel]]" in text else load_experiment(str(file)).check(
+                load_machine("boom36")
+            )
         if language == "python":
             compile(text, page.name, "exec")
             for module, names in re.findall(r"^from (\S+) import (.+)$", text, re.M):
