@@ -37,8 +37,10 @@ KINDS = {
     "shear_modulus": Kind(("shear_modulus",), "Pa"),
     "damping": Kind(("relaxation_time", "bending", "torsion"), "s", per_link=False),
 }
+"""What can be calibrated, by the name that `--free` takes."""
 STIFFNESS = ("youngs_modulus_y", "youngs_modulus_z", "shear_modulus")
-USUAL = ("mass", *STIFFNESS, "damping")  # free unless asked otherwise
+USUAL = ("mass", *STIFFNESS, "damping")
+"""Kinds that are free unless asked otherwise."""
 
 
 @dataclass(frozen=True)

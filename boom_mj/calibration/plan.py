@@ -55,6 +55,7 @@ class Plan:
 
     @property
     def sentence(self) -> str:
+        """What to record next, in words."""
         best = self.proposals[0]
         known = f"known to {_percent(self.before)}" if self.before < NULL else "not told by these logs"
         text = f"{best.experiment}: {self.parameter}, {known}, would be known to {_percent(best.after)}"

@@ -166,7 +166,7 @@ def _sampled(picture: Array, pixels: Array) -> Array:
 
 
 def _slope_of(picture: Array, pixels: Array, axis: int) -> Array:
-    """Derivative of the grey levels along u (0) or v (1), (n,), per px."""
+    """Derivative of the grey levels along u (axis 0) or v (axis 1), (n,), per px."""
     step = np.array([0.5, 0.0]) if axis == 0 else np.array([0.0, 0.5])
     return _sampled(picture, pixels + step) - _sampled(picture, pixels - step)
 

@@ -10,7 +10,10 @@ from boom_mj.cli import calibrate, gap, generate, logs, render, replay, simulate
 from boom_mj.errors import BoomError, InputError, LogWarning
 
 app = typer.Typer(
-    help="Flexible large manipulators in MuJoCo: generate the model, simulate it, replay logs, check it, film it.",
+    help="""Flexible large manipulators in MuJoCo: generate models, simulate, replay logs, film, diagnose the gap.
+
+    Example: python -m boom_mj simulate boom36 slew_t -o slew.mcap
+    """,
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from boom_mj.errors import InputError
-from boom_mj.machine import Machine, load_machine
+from boom_mj.machine import Machine, load_machine, machine_file
 
 MachineFile = Annotated[str, typer.Argument(metavar="MACHINE.toml", help="Machine file, or a name such as boom36.")]
 Hinges = Annotated[int, typer.Option(min=1, max=32, help="Equivalent hinges per elastic coordinate of each link.")]
@@ -15,25 +15,16 @@ Cluster = Annotated[
     str | None,
     typer.Option(metavar="ADDRESS", help="Dask scheduler whose workers share it instead; they see the same folders."),
 ]
-MODELS = tuple(folder / "models" for folder in (Path(__file__).parents[1], Path(__file__).parents[2]))
 
 
 def find_machine(name: str) -> Machine:
     """A machine from a file, or from the models that come with the package by its name."""
-    return load_machine(_machine_path(name))
+    return load_machine(name)
 
 
 def machine_text(name: str) -> str:
-    """The text of a machine file, found like `find_machine`."""
-    return _machine_path(name).read_text()
-
-
-def _machine_path(name: str) -> Path:
-    if not Path(name).suffix:
-        for folder in MODELS:
-            if (folder / f"{name}.toml").is_file():
-                return folder / f"{name}.toml"
-    return Path(name)
+    """The text of a machine file, found like `load_machine`."""
+    return machine_file(name).read_text()
 
 
 def output_path(path: Path, suffix: str) -> Path:

@@ -13,19 +13,19 @@ from boom_mj.errors import BoomError, InputError
 app = typer.Typer(help="Check the diagnosis on effects that it is not told.", no_args_is_help=True)
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of the campaign.")]
 Answers = Annotated[
-    Path | None, typer.Option("--answers", "-a", metavar="DIR", help="Answers; DIR-answers if left out.")
+    Path | None, typer.Option("--answers", "-a", metavar="DIR", help="Folder of the answers; DIR-answers if left out.")
 ]
 Seal = Annotated[Path, typer.Option(metavar="FILE", help="The sealed answers.")]
 
 
 @app.command()
 def make(
-    cases: Annotated[int, typer.Option(min=1, help="How many.")],
+    cases: Annotated[int, typer.Option(min=1, help="How many cases.")],
     seed_file: Annotated[
         Path, typer.Option(metavar="SECRET", help="At least 16 random bytes, to be kept from the solver.")
     ],
     output: Annotated[Path, typer.Option("-o", metavar="DIR", help="Folder for the cases.")],
-    seal: Annotated[Path, typer.Option(metavar="FILE", help="For the answers, outside DIR.")],
+    seal: Annotated[Path, typer.Option(metavar="FILE", help="File for the answers, outside DIR.")],
     machine: Annotated[str, typer.Option(help="Machine file, or a name such as boom36.")] = "boom36",
     short: Annotated[
         bool, typer.Option("--short", help="Two training recordings and one held out, 30 s each.")
@@ -37,6 +37,8 @@ def make(
     """Simulate cases with hidden effects: logs in DIR, answers in a sealed file elsewhere, its hash in DIR.
 
     Nothing is lost by an interruption: the same call goes on where it was.
+
+    Example: python -m boom_mj gap blind make --cases 20 --seed-file secret.bin -o cases --seal answers.seal --jobs 2
     """
     from boom_mj.cli.progress import progress
     from boom_mj.gap.blind import MIX, SHORT, SUITE, make_cases
@@ -58,11 +60,14 @@ def run(
     folder: Folder,
     jobs: Jobs = 1,
     output: Annotated[
-        Path | None, typer.Option("-o", metavar="DIR", help="For the answers; DIR-answers if left out.")
+        Path | None, typer.Option("-o", metavar="DIR", help="Folder for the answers; DIR-answers if left out.")
     ] = None,
     cluster: Cluster = None,
 ) -> None:
-    """Diagnose every case that has no answer yet, each by a process that can open nothing but its case."""
+    """Diagnose every case that has no answer yet, each by a process that can open nothing but its case.
+
+    Example: python -m boom_mj gap blind run cases --jobs 2
+    """
     from boom_mj.cli.progress import progress
     from boom_mj.gap.blind import answer_cases, waiting_cases
 
@@ -96,7 +101,10 @@ def score(
         Path | None, typer.Option("-o", metavar="PAGE.md|PAGE.html", help="A page; beside Markdown lies its picture.")
     ] = None,
 ) -> None:
-    """Open the seal, check that it is the published one, and hold the answers against it."""
+    """Open the seal, check that it is the published one, and hold the answers against it.
+
+    Example: python -m boom_mj gap blind score cases --seal answers.seal -o score.html
+    """
     from boom_mj.gap.blind import confusion_svg, html_page, markdown_page
     from boom_mj.gap.blind import score as hold
     from boom_mj.logs import whole_file

@@ -26,7 +26,8 @@ def command(
     as_json: Annotated[str | None, typer.Option("--json", metavar="FILE", help="Answer as JSON; - for stdout.")] = None,
     html: Annotated[Path | None, typer.Option(metavar="FILE", help="Answer as a page with pictures.")] = None,
     free: Annotated[
-        list[str] | None, typer.Option(metavar="KIND", help="Parameters that may move; may be given several times.")
+        list[str] | None,
+        typer.Option(metavar="KIND", help="Kind of parameter that may move, such as mass; several may be given."),
     ] = None,
     holdout: Annotated[
         list[Path] | None, typer.Option(metavar="LOGS...", help="Logs to validate by; nothing is learnt from them.")
@@ -38,6 +39,8 @@ def command(
     First steps that need no simulation - masses by forces at rest, stiffness by falls and frequencies after a load is
     cut, damping by decays -, then all recordings at once. What the logs cannot tell stays as the file has it, and is
     named.
+
+    Example: python -m boom_mj calibrate boom36 release_bow_vertical.mcap slew_t.mcap -o calibrated.toml
     """
     from boom_mj.calibration import (
         KINDS,

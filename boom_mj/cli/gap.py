@@ -43,7 +43,10 @@ class ManyHoldouts(TyperCommand):
 
 @app.command()
 def effects() -> None:
-    """List the effect library: physics, parameters, what each is confused with, which experiment tells."""
+    """List the effect library: physics, parameters, what each is confused with, which experiment tells.
+
+    Example: python -m boom_mj gap effects
+    """
     for kind in effect_library().values():
         places = ", ".join(f"{key} = {'|'.join(map(str, choices))}" for key, choices in kind.places.items())
         print(f"{kind.id}{f'  ({places})' if places else ''}")
@@ -74,7 +77,9 @@ def diagnose(
     predictions: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Nominal and corrected twin of every log, as MCAP.")
     ] = None,
-    without: Annotated[list[str] | None, typer.Option(metavar="ID", help="Effect to leave out of the library.")] = None,
+    without: Annotated[
+        list[str] | None, typer.Option(metavar="ID", help="Effect to leave out of the library; several may be given.")
+    ] = None,
     channels: Annotated[
         Path | None,
         typer.Option("--map", metavar="MAP.toml", help="Any machine: what the fields of its logs are."),
@@ -83,7 +88,10 @@ def diagnose(
         Path | None, typer.Option(metavar="MODEL.xml", help="Its MJCF file; the map's if left out.")
     ] = None,
 ) -> None:
-    """Say where simulator and logs disagree, which effect causes it, and how far the gap shrinks on held-out logs."""
+    """Say where simulator and logs disagree, which effect causes it, and how far the gap shrinks on held-out logs.
+
+    Example: python -m boom_mj gap diagnose a.mcap b.mcap --holdout c.mcap --html gap.html -o corrected.toml
+    """
     from boom_mj.gap import Campaign, document, with_effects_text
     from boom_mj.gap import diagnose as find
 
@@ -145,7 +153,8 @@ def _summary(answer: dict[str, Any]) -> str:
         lines.append(f"  {effect['id']} {place}")
         for name, p in effect["parameters"].items():
             interval = " .. ".join("inf" if p[end] is None else f"{p[end]:.4g}" for end in ("low", "high"))
-            lines.append(f"      {name:16} {p['value']:.4g} {p['unit']}   95 %: {interval}")
+            size = f"{p['value']:.4g} {p['unit']}".removesuffix(" 1")
+            lines.append(f"      {name:16} {size}   95 %: {interval}")
     for part, gaps in (("training", answer["gap"]["train"]), ("held out", answer["gap"]["holdout"])):
         lines.append(f"  gap {part:9} {gaps['before']:7.2f} -> {gaps['after']:.2f}   (floor 1)")
     for rival in answer["rivals"][:4]:

@@ -13,11 +13,14 @@ from boom_mj.mjcf import build
 def command(
     machine: MachineFile,
     output: Annotated[
-        Path | None, typer.Option("-o", metavar="MODEL.xml", help="Where to; stdout if left out.")
+        Path | None, typer.Option("-o", metavar="MODEL.xml", help="Model to write; stdout if left out.")
     ] = None,
     hinges: Hinges = 1,
 ) -> None:
-    """Write the MJCF model, which stock MuJoCo opens: python -m mujoco.viewer --mjcf=MODEL.xml"""
+    """Write a machine as an MJCF model, which stock MuJoCo opens: python -m mujoco.viewer --mjcf=MODEL.xml
+
+    Example: python -m boom_mj generate boom36 -o boom.xml --hinges 4
+    """
     if output is not None:
         output_path(output, ".xml")
     text = build(find_machine(machine), hinges).to_xml()

@@ -13,12 +13,12 @@ from boom_mj.logs.checks import SLOW, slow_rate
 from boom_mj.logs.inspection import LogSummary, Times, Topic, inspect_log
 from boom_mj.logs.proposal import propose_map
 
-app = typer.Typer(help="Logs from elsewhere.", no_args_is_help=True)
+app = typer.Typer(help="Logs from elsewhere: what is in them.", no_args_is_help=True)
 
 
 @app.callback()
 def _logs() -> None:
-    """Logs from elsewhere."""
+    """Logs from elsewhere: what is in them."""
 
 
 @app.command()
@@ -27,7 +27,10 @@ def inspect(
     as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")] = False,
     as_map: Annotated[bool, typer.Option("--map", help="Only the proposed topic map, as TOML.")] = False,
 ) -> None:
-    """Say what is in a log - topics, types, rates, jitter, gaps, clock resets, names - and propose a topic map."""
+    """Say what is in a log - topics, types, rates, jitter, gaps, clock resets, names - and propose a topic map.
+
+    Example: python -m boom_mj logs inspect log.bag --map
+    """
     if as_json and as_map:
         raise InputError("--json holds the map as well: say either --json or --map")
     if not log.exists():

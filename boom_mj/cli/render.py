@@ -24,35 +24,40 @@ def command(
     experiment: Annotated[
         str, typer.Option(help=f"What a machine does: a .toml of your own, or one of: {', '.join(CATALOGUE)}.")
     ] = "release_stretched_vertical",
-    machine: Annotated[str | None, typer.Option(help="Of a log; the one that it names if left out.")] = None,
+    machine: Annotated[str | None, typer.Option(help="Machine of a log; the one that it names if left out.")] = None,
     camera: Annotated[
         list[str] | None, typer.Option(help="Camera to use; all of the machine file if left out.")
     ] = None,
-    start: Annotated[float, typer.Option(min=0, help="First stamp, s.")] = 0.0,
-    stop: Annotated[float | None, typer.Option(help="Last stamp, s; the end of the motion if left out.")] = None,
+    start: Annotated[float, typer.Option(min=0, help="Time of the first frame, s.")] = 0.0,
+    stop: Annotated[
+        float | None, typer.Option(help="Time of the last frame, s; the end of the motion if left out.")
+    ] = None,
     every: Annotated[int, typer.Option(min=1, help="Take each Nth frame.")] = 1,
-    scale: Annotated[float, typer.Option(min=0.02, max=4, help="Of the pictures' size.")] = 1.0,
+    scale: Annotated[float, typer.Option(min=0.02, max=4, help="Factor on width and height of the pictures.")] = 1.0,
     jpeg: Annotated[int, typer.Option(min=0, max=100, help="JPEG of this quality; 0: PNG.")] = 0,
-    depth: Annotated[bool, typer.Option("--depth", help="16 bit PNG, mm.")] = False,
-    masks: Annotated[bool, typer.Option("--masks", help="Which body every pixel shows.")] = False,
+    depth: Annotated[bool, typer.Option("--depth", help="Depth of every pixel, too: 16 bit PNG, mm.")] = False,
+    masks: Annotated[bool, typer.Option("--masks", help="Which body every pixel shows, too: PNG.")] = False,
     distortion: Annotated[bool, typer.Option(help="Lenses of the machine file, or ideal ones.")] = True,
-    noise: Annotated[bool, typer.Option("--noise", help="Sensor noise of the machine file.")] = False,
+    noise: Annotated[bool, typer.Option("--noise", help="With the pixel noise of the machine file.")] = False,
     blur: Annotated[int, typer.Option(min=1, max=64, help="Instants within the exposure; 1: sharp.")] = 1,
     rolling: Annotated[int, typer.Option(min=1, max=64, help="Row bands of a rolling shutter; 1: global.")] = 1,
     randomise: Annotated[
         str, typer.Option(help=f"Drawn anew for every frame: any of {', '.join(KINDS)}; with commas.")
     ] = "",
-    seed: Annotated[int, typer.Option(min=0, help="Of noise and randomisation.")] = 0,
-    calibration: Annotated[bool, typer.Option(help="Pictures of the chequerboard.")] = True,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of noise and randomisation.")] = 0,
+    calibration: Annotated[bool, typer.Option(help="With pictures of the chequerboard.")] = True,
     layout: Annotated[
         str, typer.Option(help=f"Layouts to write, of {', '.join(LAYOUTS)}; with commas.")
     ] = "coco,nerfstudio",
-    sheet: Annotated[Path | None, typer.Option(metavar="PNG", help="Contact sheet.")] = None,
+    sheet: Annotated[Path | None, typer.Option(metavar="PNG", help="Contact sheet to draw.")] = None,
     hinges: Hinges = 1,
     jobs: Annotated[int, typer.Option("--jobs", "--workers", min=1, max=64, help="Processes that render.")] = 2,
     cluster: Cluster = None,
 ) -> None:
-    """Render a motion in front of the machine's cameras, with labels; killed, the same call finishes the rest."""
+    """Render a motion in front of the machine's cameras, with labels; killed, the same call finishes the rest.
+
+    Example: python -m boom_mj render boom36 -o film --experiment fold_in --stop 20 --every 4 --masks --depth
+    """
     from boom_mj.cameras.describe import describe
     from boom_mj.cameras.film import film_of
     from boom_mj.cameras.render import render_dataset

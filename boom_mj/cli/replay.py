@@ -23,8 +23,10 @@ def command(
         Path | None,
         typer.Option("--map", metavar="MAP.toml", help="What feeds which signal; `logs inspect` proposes one."),
     ] = None,
-    output: Annotated[Path | None, typer.Option("-o", metavar="OUT.mcap", help="Where the twin goes.")] = None,
-    picture: Annotated[Path | None, typer.Option(metavar="PNG", help="Log and twin overlaid.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", metavar="OUT.mcap", help="Simulated twin to write, beside what was measured.")
+    ] = None,
+    picture: Annotated[Path | None, typer.Option(metavar="PNG", help="Picture to draw: log and twin overlaid.")] = None,
     hinges: Hinges = 1,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")] = False,
 ) -> None:
@@ -32,6 +34,8 @@ def command(
 
     First the log is judged, on stderr: what moves, rates against the first modes, noise against the machine file,
     gaps. The angles are smoothed: held at their mean where the joint rests, by a spline of locally even jerk between.
+
+    Example: python -m boom_mj replay log.mcap --hinges 4 -o twin.mcap --picture twin.png
     """
     for path, suffix in ((output, ".mcap"), (picture, ".png")):
         if path is not None:

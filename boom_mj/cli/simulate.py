@@ -24,10 +24,16 @@ def command(
         Path | None, typer.Option("-o", metavar="OUT.mcap|DIR", help="Recording to write; of a sweep, its folder.")
     ] = None,
     hinges: Hinges = 1,
-    effect: Annotated[list[str] | None, typer.Option(metavar="ID:key=value,...", help="Effect to add.")] = None,
-    seed: Annotated[int, typer.Option(help="Of the sensor noise.")] = 0,
+    effect: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="ID:key=value,...",
+            help="Effect to add, in SI units; `gap effects` lists them; several may be given.",
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Seed of the sensor noise.")] = 0,
     scene: Annotated[bool, typer.Option("--scene", help="Add /tf and /scene: a viewer shows the boom moving.")] = False,
-    noise: Annotated[bool, typer.Option(help="Sensor noise of the machine file.")] = True,
+    noise: Annotated[bool, typer.Option(help="With the sensor noise of the machine file.")] = True,
     sweep: Annotated[
         list[str] | None,
         typer.Option(
@@ -45,6 +51,8 @@ def command(
     --sweep simulates it over ranges: link3.mass=500..700/5 (a value of the machine file),
     tip_payload:mass=0..100/11, link_stiffness:link=3,axis=v,factor=0.8..1.2/5. The folder gets a recording per point
     and table.csv; stopped, the same call does the rest.
+
+    Example: python -m boom_mj simulate boom36 release_bow_vertical -o log.mcap --effect tip_payload:mass=40
     """
     plan, effects = load_experiment(experiment), [parse_effect(text) for text in effect or []]
     if sweep:

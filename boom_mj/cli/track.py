@@ -18,19 +18,24 @@ if TYPE_CHECKING:
 
 def command(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of pictures with its dataset.json.")],
-    output: Annotated[Path | None, typer.Option("-o", metavar="OUT.mcap", help="Where /markers goes.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", metavar="OUT.mcap", help="Recording of the marker positions (m) to write.")
+    ] = None,
     picture: Annotated[
-        Path | None, typer.Option("--overlay", metavar="PNG", help="Plates and positions drawn.")
+        Path | None, typer.Option("--overlay", metavar="PNG", help="Picture to draw: plates and positions.")
     ] = None,
     at: Annotated[float | None, typer.Option(help="Time of the overlay, s; the middle if left out.")] = None,
-    film: Annotated[Path | None, typer.Option("--video", metavar="WEBM", help="The same, moving.")] = None,
-    camera: Annotated[str | None, typer.Option(help="Of the video; the first if left out.")] = None,
+    film: Annotated[Path | None, typer.Option("--video", metavar="WEBM", help="Video to draw, of the same.")] = None,
+    camera: Annotated[str | None, typer.Option(help="Camera of the video; the first if left out.")] = None,
     workers: Annotated[
         int, typer.Option("--jobs", "--workers", min=1, max=64, help="Processes, one per camera at most.")
     ] = 2,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")] = False,
 ) -> None:
-    """Calibrate lenses and places, find and follow the marker plates, give positions where two cameras agree."""
+    """Find the markers in pictures: calibrate lenses and places, follow the plates, give positions where cameras agree.
+
+    Example: python -m boom_mj track film -o markers.mcap --overlay film.png
+    """
     for path, suffix in ((output, ".mcap"), (picture, ".png"), (film, ".webm")):
         if path is not None:
             output_path(path, suffix)

@@ -15,11 +15,16 @@ from boom_mj.simulation.agreement import FIGURES, Agreement, compare_models, ran
 def command(
     machine: MachineFile,
     poses: Annotated[int, typer.Option(min=1, help="Random poses within the joint limits.")] = 200,
-    hinges: Annotated[list[int] | None, typer.Option(help="Hinges per coordinate; may be given several times.")] = None,
-    seed: Annotated[int, typer.Option(help="Of the poses.")] = 0,
+    hinges: Annotated[
+        list[int] | None, typer.Option(help="Hinges per elastic coordinate; may be given several times.")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Seed of the poses.")] = 0,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")] = False,
 ) -> None:
-    """Compare tip deflections and frequencies of both models over random poses."""
+    """Compare MuJoCo's tip deflections and frequencies with the Lagrangian reference's over random poses, in %.
+
+    Example: python -m boom_mj validate boom36 --poses 20 --hinges 1 --hinges 4
+    """
     boom = find_machine(machine)
     places, found = random_poses(boom, poses, seed), []
     console = Console(stderr=True)

@@ -23,15 +23,20 @@ Sync = Callable[[mujoco.MjModel, mujoco.MjData], bool]
 
 def command(
     what: Annotated[str, typer.Argument(metavar="MACHINE.toml|LOG.mcap", help="A machine, or a log to replay.")],
-    experiment: Annotated[str, typer.Option(help="What a machine does.")] = "fold_in",
-    machine: Annotated[str | None, typer.Option(help="Of the log; the one that it names if left out.")] = None,
+    experiment: Annotated[
+        str, typer.Option(help="What a machine does: a name that `simulate` knows, or a .toml.")
+    ] = "fold_in",
+    machine: Annotated[str | None, typer.Option(help="Machine of the log; the one that it names if left out.")] = None,
     hinges: Hinges = 1,
-    speed: Annotated[float, typer.Option(min=0.01, max=100, help="Times real time.")] = 1.0,
+    speed: Annotated[float, typer.Option(min=0.01, max=100, help="Speed, in times real time.")] = 1.0,
     web: Annotated[bool, typer.Option("--web", help="In a browser even where there is a screen.")] = False,
-    port: Annotated[int, typer.Option(min=1, max=65535, help="Of the web viewer.")] = 8080,
-    laps: Annotated[int, typer.Option(min=0, help="How often; 0: until the viewer is closed.")] = 0,
+    port: Annotated[int, typer.Option(min=1, max=65535, help="Port of the web viewer.")] = 8080,
+    laps: Annotated[int, typer.Option(min=0, help="How often to show it; 0: until the viewer is closed.")] = 0,
 ) -> None:
-    """Show an experiment or a replayed log in MuJoCo's viewer: a window where there is a screen, else in a browser."""
+    """Show an experiment or a replayed log in MuJoCo's viewer: a window where there is a screen, else in a browser.
+
+    Example: python -m boom_mj view boom36 --experiment slew_t --speed 2
+    """
     if Path(what).suffix == ".mcap":
         log = read_mcap(what)
         motion = replay(make_plant(find_machine(machine or log.machine), hinges), log).trajectory

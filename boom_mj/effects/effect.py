@@ -54,9 +54,11 @@ class Parameter:
 
     @property
     def bounds(self) -> tuple[float, float]:
+        """Least and largest value."""
         return self.low, self.high
 
     def coordinate(self, value: float) -> float:
+        """Where a value lies: 0 neutral, 1 typical."""
         return self.typical / value if self.inverse else (value - self.neutral) / self.typical
 
     def value(self, coordinate: float) -> float:
@@ -127,6 +129,7 @@ class Effect(ABC):
 
     @property
     def key(self) -> tuple[Any, ...]:
+        """Id, place and values, by which effects are equal."""
         return *self.cause, tuple(sorted(self.values.items()))
 
     @classmethod

@@ -1,6 +1,6 @@
 """The answer as one document, and as a machine file with the effects in it."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 from typing import Any
 
@@ -12,6 +12,7 @@ from boom_mj.gap.diagnose import Diagnosis
 from boom_mj.gap.judge import Judged, gap
 from boom_mj.gap.metric import of_size
 from boom_mj.gap.where import in_words, locate, looks
+from boom_mj.machine import EffectEntry, Machine
 
 SURE = 1.96  # deviations of a 95 % interval
 SHOWN = 0.002  # smallest share of a cell that is listed by itself
@@ -132,8 +133,13 @@ def sentence(found: Diagnosis) -> str:
 
 def with_effects_text(machine_text: str, found: Diagnosis) -> str:
     """A machine file's text with the effects of the best explanation and the tolerances that were estimated."""
-    effects = [*estimated_tolerances(found), *(found.best.fit.effects if found.best else ())]
-    return machine_text.rstrip("\n") + "\n" + "".join(f"\n{_toml(effect)}" for effect in effects)
+    return machine_text.rstrip("\n") + "\n" + "".join(f"\n{_toml(entry)}" for entry in _entries(found))
+
+
+def with_effects(machine: Machine, found: Diagnosis) -> Machine:
+    """A machine as `with_effects_text` would write it."""
+    added = (EffectEntry.model_validate(entry) for entry in _entries(found))
+    return machine.model_copy(update={"effect": (*machine.effect, *added)})
 
 
 def estimated_tolerances(found: Diagnosis) -> tuple[Effect, ...]:
@@ -144,17 +150,24 @@ def estimated_tolerances(found: Diagnosis) -> tuple[Effect, ...]:
     return of_size([t.beside(effects) for t in metric.nuisances], estimate)
 
 
-def _toml(effect: Effect) -> str:
-    lines = ["[[effect]]", f'id = "{effect.id}"']
-    lines += [f"{k} = {v!r}".replace("'", '"') for k, v in effect.location.items()]
-    lines += [f"{k} = {v!r}" for k, v in effect.values.items() if v != effect.parameters[k].neutral]
-    return "\n".join(lines) + "\n"
+def _entries(found: Diagnosis) -> list[dict[str, Any]]:
+    """What a machine file would say of the effects that were found: ids, places, and what is not neutral."""
+    effects = (*estimated_tolerances(found), *(found.best.fit.effects if found.best else ()))
+    return [
+        {"id": e.id, **e.location, **{k: v for k, v in e.values.items() if v != e.parameters[k].neutral}}
+        for e in effects
+    ]
+
+
+def _toml(entry: Mapping[str, Any]) -> str:
+    return "\n".join(["[[effect]]", *(f"{k} = {v!r}".replace("'", '"') for k, v in entry.items())]) + "\n"
 
 
 def _in_words(effect: Effect) -> str:
     place = ", ".join(f"{k} {v}" for k, v in effect.location.items())
     sizes = ", ".join(
-        f"{name} {effect.values[name]:.4g} {effect.parameters[name].unit}" for name in effect.knobs(effect.location)
+        f"{name} {effect.values[name]:.4g} {effect.parameters[name].unit}".removesuffix(" 1")
+        for name in effect.knobs(effect.location)
     )
     return f"{effect.id.replace('_', ' ')}{f' at {place}' if place else ''} ({sizes})"
 

@@ -81,6 +81,7 @@ class Campaign:
 
     @property
     def split_in_time(self) -> bool:
+        """Whether no recording is held out whole."""
         return self.training == len(self.recordings)
 
     @cached_property
@@ -89,6 +90,7 @@ class Campaign:
         return np.cumsum([0, *(len(channel.time) for channel in self.channels)])
 
     def stretch(self, number: int) -> slice:
+        """Where a channel lies in the long vector."""
         return slice(int(self.offsets[number]), int(self.offsets[number + 1]))
 
     def spread(self, values: Sequence[float]) -> Array:
@@ -140,6 +142,7 @@ class Campaign:
         return self.used & ~self.train
 
     def duration(self, index: int) -> float:
+        """Of a recording, s."""
         return self.subject.clock(self.recordings[index])[1]
 
     def predict(self, hypotheses: Sequence[Hypothesis], level: int, training_only: bool = False) -> list[Array]:

@@ -2,9 +2,11 @@
 
 from boom_mj.machine.linkages import cylinder_forces as cylinder_forces
 from boom_mj.machine.linkages import cylinder_lengths as cylinder_lengths
+from boom_mj.machine.model import EffectEntry as EffectEntry
 from boom_mj.machine.model import Link as Link
 from boom_mj.machine.model import Machine as Machine
 from boom_mj.machine.model import load_machine as load_machine
+from boom_mj.machine.model import machine_file as machine_file
 from boom_mj.machine.model import parse_machine as parse_machine
 from boom_mj.machine.model import with_values as with_values
 from boom_mj.machine.rig import Camera as Camera

@@ -24,6 +24,7 @@ def _ordered(pair: tuple[float, float]) -> tuple[float, float]:
     return pair
 
 
+MODELS = tuple(folder / "models" for folder in Path(__file__).parents[1:3])  # of the wheel, of the repository
 RangeDeg = Annotated[tuple[FiniteFloat, FiniteFloat], AfterValidator(_ordered)]
 
 
@@ -263,17 +264,26 @@ class Machine(Frozen):
         return self
 
 
+def machine_file(name: Path | str) -> Path:
+    """The file of a machine that comes with the package, by a name such as "boom36"; any other path as it is."""
+    shipped = (folder / f"{name}.toml" for folder in MODELS if not Path(name).suffix)
+    return next((path for path in shipped if path.is_file()), Path(name))
+
+
 def load_machine(path: Path | str) -> Machine:
-    """Read a machine file.
+    """Read a machine file, or one that comes with the package by its name.
 
     Raises:
         MachineFileError: the file is missing, is no TOML, or holds bad values; every one of them is listed with its
             place, the value and what is allowed.
     """
     try:
-        text = Path(path).read_bytes().decode()
+        text = machine_file(path).read_bytes().decode()
     except (OSError, UnicodeDecodeError) as error:
-        raise MachineFileError(f"{path}: cannot be read as a machine file ({error})") from error
+        shipped = ", ".join(sorted(file.stem for folder in MODELS for file in folder.glob("*.toml")))
+        raise MachineFileError(
+            f"{path}: cannot be read as a machine file ({error}); known by name: {shipped}"
+        ) from error
     return parse_machine(text, str(path))
 
 

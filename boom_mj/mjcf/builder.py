@@ -38,6 +38,7 @@ class BoomModel:
     chains: tuple[dict[str, HingeChain], ...]
 
     def compile(self) -> mujoco.MjModel:
+        """The specification as MuJoCo runs it."""
         return self.spec.compile()
 
     def to_xml(self) -> str:

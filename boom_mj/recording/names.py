@@ -53,6 +53,7 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         "load": Quantity("N", "world", AXES),
     }
 )
+"""What every signal that has a name is."""
 
 
 def named_signal(name: str, time: np.ndarray, values: np.ndarray) -> Signal:

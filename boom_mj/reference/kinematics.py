@@ -12,6 +12,7 @@ from boom_mj.machine import AXES, Machine, Shape, ritz_shapes, sections
 
 Array = np.ndarray
 JOINTS = 5
+"""Joint angles come first among the coordinates."""
 TORSION, V, W = (JOINTS + k for k in range(3))  # columns of link 2; link i adds 3 (i - 2)
 
 

@@ -59,6 +59,7 @@ class ReferenceModel:
 
     @cached_property
     def coordinates(self) -> tuple[str, ...]:
+        """Names of the 17 coordinates."""
         return coordinate_names(self.machine)
 
     @cached_property
@@ -128,7 +129,7 @@ class ReferenceModel:
         return np.imag(along - energies / 2) / STEP
 
     def tip(self, q: Array) -> tuple[Array, Array]:
-        """World position (..., 3) of the boom's tip, m, and its Jacobian (..., 17, 3)."""
+        """World position (..., 3) of the boom's tip, m, and its Jacobian (..., 17, 3), that of the f_d of (28)."""
         ends = (*[np.zeros(0)] * (len(self.machine.links) - 1), np.zeros(1))
         last = self.sections(q, ends)[-1]
         return last.position[..., 0, :], last.jacobian[..., 0, :, :]

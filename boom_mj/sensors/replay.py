@@ -32,6 +32,7 @@ class Group:
 
     @property
     def ratio(self) -> float:
+        """rms / noise."""
         return self.rms / self.noise if self.noise else float("inf")
 
 

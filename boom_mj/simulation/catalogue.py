@@ -125,6 +125,7 @@ CATALOGUE: Mapping[str, Experiment] = {
         ),
     )
 }
+"""Experiments by name."""
 
 
 def load_experiment(name: str) -> Experiment:

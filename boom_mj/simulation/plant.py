@@ -46,10 +46,12 @@ class Plant:
 
     @cached_property
     def scratch(self) -> mujoco.MjData:
+        """State to work on between simulations."""
         return mujoco.MjData(self.model)
 
     @property
     def machine(self) -> Machine:
+        """The machine that it is a model of."""
         return self.boom.machine
 
     @cached_property
@@ -68,6 +70,7 @@ class Plant:
         return self.boom.ritz_matrix(self.model)
 
     def at(self, qpos: Array) -> mujoco.MjData:
+        """State at some positions, (nq,), at rest, with what depends on them computed."""
         mujoco.mj_resetData(self.model, self.scratch)
         self.scratch.qpos[:] = qpos
         if self.model.nplastic:  # what can slip has slipped into rest

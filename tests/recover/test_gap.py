@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from boom_mj.effects import Effect, make_effect, parse_effect
-from boom_mj.gap import Campaign, Diagnosis, diagnose, document, with_effects_text
+from boom_mj.gap import Campaign, Diagnosis, diagnose, document, with_effects, with_effects_text
 from boom_mj.gap.where import locate
 from boom_mj.machine import load_machine, parse_machine
 from boom_mj.recording import Recording, named_signal
@@ -56,6 +56,7 @@ def test_a_payload_comes_back() -> None:
     corrected = parse_machine(with_effects_text(FILE.read_text(), found))
     ids = [entry.id for entry in corrected.effect]
     assert (ids[0], ids[-1], ids.count("tip_payload")) == ("joint_zero_offset", "tip_payload", 1)
+    assert with_effects(BOOM, found) == corrected
     assert corrected.effect[0].model_extra["joint2"] == pytest.approx(-0.004, abs=3e-4)
 
 

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
+from opengl import can_render
 
 from boom_mj.cameras.align import Pattern
 from boom_mj.cameras.calibrate import calibrate_lens, place_camera
@@ -46,12 +47,6 @@ readout = 0.01
 RIG = CAMERA.format(name="right", position=[5.5, -11.5, 2.5], focal=390.0)
 RIG += CAMERA.format(name="left", position=[7.0, 10.5, 5.0], focal=390.0)
 SHORT = ("--start", 8.0, "--stop", 8.1, "--jobs", 2)
-
-
-def can_render() -> bool:
-    code = "import mujoco; mujoco.Renderer(mujoco.MjModel.from_xml_string('<mujoco/>'), 16, 16).render()"
-    done = subprocess.run([sys.executable, "-c", code], env={**os.environ, "MUJOCO_GL": "egl"}, capture_output=True)
-    return done.returncode == 0
 
 
 needs_egl = pytest.mark.skipif(not can_render(), reason="EGL cannot render here")

@@ -13,9 +13,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import boom_mj
-
-OWN = (sys.prefix, sys.base_prefix, str(Path(boom_mj.__file__).parent), "/proc", "/sys", "/dev", "/etc")
+OWN = (sys.prefix, sys.base_prefix, str(Path(__file__).parents[2]), "/proc", "/sys", "/dev", "/etc")
 _allowed: ContextVar[tuple[str, ...]] = ContextVar("allowed", default=())
 
 

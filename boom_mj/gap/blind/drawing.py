@@ -11,6 +11,7 @@ from boom_mj.errors import EquilibriumError, InputError, SimulationError
 from boom_mj.gap.blind.strangers import STRANGERS
 
 MIX: Mapping[str, float] = {"single": 50, "none": 24, "pair": 14, "withheld": 18, "stranger": 14}
+"""Shares of the classes of cases."""
 NUISANCE = "joint_zero_offset"
 SMALL, LARGE = 0.5, 2.0  # times a size worth finding
 VISIBLE = 1.0  # as large as the noise itself; what shows less is drawn again

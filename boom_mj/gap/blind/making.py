@@ -50,7 +50,9 @@ SUITE = Suite(
     ("release_bow_vertical", "release_stretched_horizontal", "release_stretched_vertical", "slew_t", "sweep"),
     ("fold_in", "mixed", "release_bow_horizontal"),
 )
+"""What a case records: 350 s."""
 SHORT = Suite(("release_bow_vertical", "slew_t"), ("release_bow_horizontal",))
+"""What a short case records: 90 s."""
 
 
 @dataclass(frozen=True)

@@ -156,10 +156,12 @@ class ChannelMap(BaseModel):
         return self
 
     def role(self, role: Role) -> tuple[ChannelEntry, ...]:
+        """The channels of a role."""
         return tuple(entry for entry in self.channel if entry.role == role)
 
     @property
     def block_s(self) -> float:
+        """Over which channels are averaged, s."""
         return self.block if self.block is not None else 1 / self.cutoff
 
     @property

@@ -1,0 +1,135 @@
+"""The diagnosis as Python asks for it: a machine and logs in, an answer out that can be asked on.
+
+answer = diagnose("boom36", ["a.mcap"], ["b.mcap"])
+print(answer.verdict, answer.sentence)
+answer.to_html("gap.html")
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from boom_mj import gap
+from boom_mj.gap.judge import Closure
+from boom_mj.logs import read_log
+from boom_mj.machine import Machine, load_machine
+from boom_mj.recording import Recording
+
+Log = Recording | Path | str
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A parameter's size, with the ends of its 95 % interval, in `unit`; None where an end is open."""
+
+    value: float
+    low: float | None
+    high: float | None
+    unit: str
+
+
+@dataclass(frozen=True)
+class Cause:
+    """An effect that the machine has and its file lacks.
+
+    Attributes:
+        id: of the effect in the library.
+        location: where it acts, such as {"joint": 3}.
+        parameters: its sizes, by name.
+        closure_alone: share of the held-out gap that it closes by itself; None where that was not tried.
+    """
+
+    id: str
+    location: Mapping[str, int | str]
+    parameters: Mapping[str, Estimate]
+    closure_alone: float | None
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a diagnosis says.
+
+    Attributes:
+        machine: the nominal one.
+        found: the diagnosis with all its candidates.
+        names: of the logs, training first.
+    """
+
+    machine: Machine
+    found: gap.Diagnosis
+    names: tuple[str, ...]
+
+    @cached_property
+    def document(self) -> dict[str, Any]:
+        """All of it as plain data, as `gap diagnose --json` writes it."""
+        return gap.document(self.found, self.names)
+
+    @property
+    def verdict(self) -> str:
+        """consistent, explained, ambiguous or unexplained."""
+        return self.found.verdict
+
+    @property
+    def sentence(self) -> str:
+        """The verdict in words."""
+        return str(self.document["sentence"])
+
+    @property
+    def effects(self) -> tuple[Cause, ...]:
+        """What explains the gap; nothing where the verdict is consistent or unexplained."""
+        return tuple(
+            Cause(
+                entry["id"],
+                entry["location"],
+                {name: Estimate(**estimate) for name, estimate in entry["parameters"].items()},
+                entry["closure_alone"],
+            )
+            for entry in self.document["effects"]
+        )
+
+    @property
+    def closure(self) -> Closure:
+        """Share of the held-out gap above the noise that the effects close, with its 95 % interval."""
+        return self.found.closure
+
+    @cached_property
+    def corrected(self) -> Machine:
+        """The machine with the best explanation's effects and the tolerances that were estimated along."""
+        return gap.with_effects(self.machine, self.found)
+
+    def to_html(self, path: Path | str) -> None:
+        """Write the page of `gap diagnose --html`: one file, which fetches nothing."""
+        from boom_mj.report import write_diagnosis
+
+        write_diagnosis(self.found, self.names, Path(path))
+
+
+def diagnose(
+    machine: Machine | Path | str,
+    train: Sequence[Log],
+    holdout: Sequence[Log] = (),
+    *,
+    without: Sequence[str] = (),
+    tell: Callable[[str], None] = lambda line: None,
+) -> Answer:
+    """Find what a machine has that its file lacks; `gap.diagnose` asks the same of any campaign.
+
+    Args:
+        machine: nominal; a file, or a name such as "boom36".
+        train: recordings, or files of them, to learn from.
+        holdout: the same, to judge by; without any, the recordings are split in time.
+        without: ids of effects that are withheld from the library.
+        tell: hears one line per stage, such as `print`.
+
+    Raises:
+        MachineFileError: no such machine.
+        LogError: a log that cannot be read, or that lacks the joint angles.
+    """
+    boom = machine if isinstance(machine, Machine) else load_machine(machine)
+    logs = (*train, *holdout)
+    recordings = [log if isinstance(log, Recording) else read_log(log) for log in logs]
+    names = tuple(log.name if isinstance(log, Recording) else str(log) for log in logs)
+    campaign = gap.Campaign(boom, recordings, len(train))
+    return Answer(boom, gap.diagnose(campaign, without, tell), names)

@@ -1,0 +1,271 @@
+"""Pages of the documentation that come from the code: a hook of mkdocs (mkdocs.yml), built by scripts/site.
+
+Home is the README, the commands come from the command line's own help, the Python reference from what the rooms
+export, the effects from the library, and docs/equations.md gets links to the code that says the equations' numbers.
+"""
+
+import ast
+import inspect
+import io
+import re
+import tokenize
+from collections import defaultdict
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+from typing import NamedTuple
+
+import typer
+import typer.cli
+from pydantic import BaseModel
+
+from boom_mj.cli import app
+from boom_mj.effects import effect_library
+from boom_mj.effects.effect import Parameter
+from boom_mj.effects.general_effect import general_library
+
+ROOT = Path(__file__).parents[1]
+PACKAGE = ROOT / "boom_mj"
+ROOMS = (
+    "boom_mj", "boom_mj.errors", "boom_mj.machine", "boom_mj.recording", "boom_mj.effects", "boom_mj.reference",
+    "boom_mj.mjcf", "boom_mj.simulation", "boom_mj.sensors", "boom_mj.logs", "boom_mj.calibration", "boom_mj.gap",
+    "boom_mj.gap.mjcf", "boom_mj.gap.blind", "boom_mj.report",
+)  # fmt: skip
+LAST = 35  # equation of the paper
+EQUATION = re.compile(r"(?<![\w)\]])\((\d\d?)[a-d]?\)(?:-\((\d\d?)\))?|\beqs?\. \(?(\d\d?)\)?(?:, (\d\d?))?")
+
+
+class Mention(NamedTuple):
+    """Where the code says the number of an equation: file, line, and the function, class or module around it."""
+
+    path: Path
+    line: int
+    owner: str
+
+
+# What the hook is asked for
+
+
+def on_files(files, config):  # type: ignore[no-untyped-def]
+    """Add the pages that are made of the code."""
+    from mkdocs.structure.files import File, InclusionLevel
+
+    pages = {
+        "index.md": home((ROOT / "README.md").read_text()),
+        "contributing.md": home((ROOT / "CONTRIBUTING.md").read_text()),
+        "changelog.md": (ROOT / "CHANGELOG.md").read_text(),
+        "reference/commands.md": commands(),
+        "reference/python.md": python(),
+        "reference/effects.md": effects(),
+    }
+    for name, text in pages.items():
+        files.append(File.generated(config, name, content=text))
+    for path in sorted({mention.path for found in mentions().values() for mention in found}):
+        text = f'---\nhide: [toc]\n---\n# {path.name}\n\n```python linenums="1"\n{path.read_text()}```\n'
+        listing = File.generated(config, listing_of(path), content=text)
+        listing.inclusion = InclusionLevel.NOT_IN_NAV
+        files.append(listing)
+    return files
+
+
+def on_post_build(config):  # type: ignore[no-untyped-def]
+    """Say how much of what the rooms export is documented."""
+    count, bare = undocumented()
+    print(f"{count - len(bare)} of {count} public names are documented")
+
+
+def on_page_markdown(markdown, page, config, files):  # type: ignore[no-untyped-def]
+    """Link the equations to the code."""
+    return with_code(markdown) if page.file.src_uri == "equations.md" else markdown
+
+
+# Home and commands
+
+
+def home(text: str) -> str:
+    """A page of the repository's root as one of the site: docs/ is where it lies now."""
+    text = text.replace("](docs/", "](").replace("](CONTRIBUTING.md", "](contributing.md")
+    return text.replace("](CHANGELOG.md", "](changelog.md")
+
+
+def commands() -> str:
+    """Every command's help, as Markdown."""
+    root = typer.main.get_command(app)
+    text = typer.cli.get_docs_for_click(obj=root, ctx=typer.Context(root), name="python -m boom_mj")
+    text = re.sub(r"^# .*", "# Commands", text, count=1)
+    text = re.sub(r"^#+ `python -m boom_mj (.*)`$", r"## \1", text, flags=re.M)
+    return re.sub(r"^Example: (.*)$", r"```console\n$ \1\n```", text, flags=re.M)
+
+
+# Python
+
+
+def public_names(module: ModuleType) -> list[str]:
+    """What a room exports."""
+    names = getattr(module, "__all__", None) or [n for n, v in vars(module).items() if not inspect.ismodule(v)]
+    return sorted(name for name in names if not name.startswith("_"))
+
+
+def public_paths() -> dict[str, list[str]]:
+    """By room, where what it exports is defined."""
+    return {room: [_home_of(import_module(room), name) for name in public_names(import_module(room))] for room in ROOMS}
+
+
+def _home_of(module: ModuleType, name: str) -> str:
+    """The module that defines a name, and the name; an `import ... as` is followed through the source."""
+    while True:
+        for node in ast.parse(inspect.getsource(module)).body:
+            if isinstance(node, ast.ImportFrom) and name in {alias.asname or alias.name for alias in node.names}:
+                module = import_module(str(node.module))
+                break
+        else:
+            return f"{module.__name__}.{name}"
+
+
+def python() -> str:
+    """What the rooms export; a name that a room above has shown is listed under `boom_mj` once."""
+    lines, shown = (
+        ["# Python", "", "What `boom_mj` exports comes first, then what its rooms export besides.", ""],
+        set(),
+    )
+    for room, paths in public_paths().items():
+        new = [path for path in paths if path not in shown]
+        shown |= set(new)
+        lines += [f"## {room}", "", inspect.getdoc(import_module(room)) or "", ""]
+        for path in new:
+            lines += [f"::: {path}", "    options:", "      heading_level: 3"]
+            lines += ["      show_if_no_docstring: true", ""] if _is_table(path) else [""]
+    return "\n".join(lines)
+
+
+def _is_table(path: str) -> bool:
+    """Whether the fields of a class are all there is to say, as of machine files."""
+    module, _, name = path.rpartition(".")
+    thing = getattr(import_module(module), name)
+    return isinstance(thing, type) and issubclass(thing, BaseModel)
+
+
+# Effects
+
+
+def effects() -> str:
+    """The library: physics, places, parameters with bounds, what each is confused with."""
+    lines = ["# Effects", "", "What a machine can have and its file lack. `typical`: a size worth finding.", ""]
+    lines += ["## Of a boom", ""]
+    for kind in effect_library().values():
+        lines += [f"### {kind.id}", "", _paragraphs(kind), ""]
+        lines += [f"- {key}: {', '.join(map(str, choices))}" for key, choices in kind.places.items()]
+        lines += ["", *_table(kind.parameters), ""]
+        lines += [f"Confused with: {', '.join(kind.confused_with) or 'nothing known'}. Told by: {kind.told_by}.", ""]
+    lines += ["## Of any MJCF machine", "", "Sizes and places come from the model and its logs.", ""]
+    for general in general_library().values():
+        lines += [f"### {general.id} {{#any-{general.id}}}", "", _paragraphs(general), ""]
+        lines += [f"At: {general.where or 'the whole machine'}. Confused with: {', '.join(general.confused_with)}. "]
+        lines += [f"Told by: {general.told_by}.", ""]
+    return "\n".join(lines)
+
+
+def _paragraphs(kind: type) -> str:
+    return (inspect.getdoc(kind) or "").replace("*", r"\*")
+
+
+def _table(parameters: dict[str, Parameter]) -> list[str]:
+    rows = ["| parameter | unit | neutral | from | to | typical |", "|---|---|---|---|---|---|"]
+    return rows + [
+        f"| {name} | {p.unit} | {p.neutral:g} | {p.low:g} | {p.high:g} | {p.typical:g} |"
+        for name, p in parameters.items()
+    ]
+
+
+# Equations
+
+
+def mentions() -> dict[int, list[Mention]]:
+    """By number, where docstrings and comments say an equation of the paper: modules only where no part of one does."""
+    found: dict[int, list[Mention]] = defaultdict(list)
+    for path in sorted(set(PACKAGE.rglob("*.py")) - set(PACKAGE.rglob("__init__.py"))):
+        source = path.read_text()
+        tree = ast.parse(source)
+        for line, text in _prose(tree, source):
+            owner, start = _around(tree, line)
+            name = ".".join((*path.relative_to(PACKAGE).with_suffix("").parts, *owner))
+            for number in _numbers(text):
+                found[number].append(Mention(path, start, name))
+    return {number: _parts(said) for number, said in found.items()}
+
+
+def _parts(said: list[Mention]) -> list[Mention]:
+    """Every owner once, without those that hold another."""
+    owners = {mention.owner: mention for mention in said}
+    return [m for name, m in sorted(owners.items()) if not any(other.startswith(f"{name}.") for other in owners)]
+
+
+def _prose(tree: ast.Module, source: str) -> list[tuple[int, str]]:
+    """Docstrings (of attributes, too) and comments, with their lines."""
+    strings = [
+        (node.lineno, node.value.value)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
+    ]
+    tokens = tokenize.generate_tokens(io.StringIO(source).readline)
+    return strings + [(token.start[0], token.string) for token in tokens if token.type == tokenize.COMMENT]
+
+
+def _around(tree: ast.Module, line: int) -> tuple[tuple[str, ...], int]:
+    """Names of the classes and functions around a line, and where the innermost begins."""
+    names, start, body = [], 1, tree.body
+    while True:
+        kinds = (ast.ClassDef, ast.FunctionDef)
+        inside = [n for n in body if isinstance(n, kinds) and n.lineno <= line <= (n.end_lineno or 0)]
+        if not inside:
+            return tuple(names), start
+        names.append(inside[0].name)
+        start, body = inside[0].lineno, inside[0].body
+
+
+def _numbers(text: str) -> set[int]:
+    """Equations that a text names; (13)-(17) are five."""
+    found: set[int] = set()
+    for first, last, *named in EQUATION.findall(text):
+        found |= set(range(int(first), int(last or first) + 1)) if first else {int(n) for n in named if n}
+    return {number for number in found if 1 <= number <= LAST}
+
+
+def with_code(markdown: str) -> str:
+    """The equations page, every line of an equation followed by links to the code."""
+    found = mentions()
+
+    def linked(match: re.Match[str]) -> str:
+        links = [f"[`{m.owner}`]({_link(m)})" for m in found.get(int(match[1]), ())]
+        return f"{match[0]}\n  <br>{', '.join(links) or 'not used'}"
+
+    return re.sub(r"^- \*\*\((\d+)\)\*\*.*(?:\n  .*)*", linked, markdown, flags=re.M)
+
+
+def _link(mention: Mention) -> str:
+    return f"{listing_of(mention.path)}#__codelineno-0-{mention.line}"
+
+
+def listing_of(path: Path) -> str:
+    """The page that shows a file of the package."""
+    return f"code/{path.relative_to(PACKAGE).with_suffix('.md').as_posix()}"
+
+
+# How much of it is documented
+
+
+def undocumented() -> tuple[int, list[str]]:
+    """How many names the rooms export, methods and properties included, and those without a docstring of their own."""
+    from griffe import load
+
+    package, count, bare = load("boom_mj", search_paths=[ROOT]), 0, []
+    for path in sorted({path for paths in public_paths().values() for path in paths}):
+        found = package[path.removeprefix("boom_mj.")]
+        said = {path: found.has_docstring}
+        for base in reversed((found, *found.mro())) if found.is_class else ():
+            for name, member in base.members.items():
+                if not name.startswith("_") and (member.is_function or "property" in member.labels):
+                    said[f"{path}.{name}"] = member.has_docstring or said.get(f"{path}.{name}", False)
+        count += len(said)
+        bare += [name for name, documented in said.items() if not documented]
+    return count, bare
