@@ -3,12 +3,19 @@
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.stats import norm as normal
+from scipy.stats import t as student
 
 Array = np.ndarray
+SURE = 0.975  # upper end of a 95 % interval
+FEWEST = 4  # clusters
 
 
 def robust_variance(inverse: Array, score: Array, clusters: Sequence[Array]) -> Array:
     """The largest of diag H^-1 and diag H^-1 (sum g g^T) H^-1, with scores g summed over clusters, (p,).
+
+    Of G clusters the sum is G / (G - 1) times what it seems, and a 95 % interval as wide as Student's with G - 1 degrees
+    of freedom; the variance is the normal distribution's with that interval. Fewer than FEWEST tell nothing.
 
     Args:
         inverse: of the information H, (p, p).
@@ -17,6 +24,9 @@ def robust_variance(inverse: Array, score: Array, clusters: Sequence[Array]) -> 
     """
     variances = [np.diag(inverse)]
     for cluster in clusters:
-        sums = np.stack([np.bincount(cluster, column) for column in score.T], axis=1)
-        variances.append(np.diag(inverse @ (sums.T @ sums) @ inverse))
+        count = len(np.unique(cluster))
+        if count >= FEWEST:
+            sums = np.stack([np.bincount(cluster, column) for column in score.T], axis=1)
+            wider = count / (count - 1) * (student.ppf(SURE, count - 1) / normal.ppf(SURE)) ** 2
+            variances.append(wider * np.diag(inverse @ (sums.T @ sums) @ inverse))
     return np.max(variances, axis=0)
