@@ -14,8 +14,8 @@ FEWEST = 4  # clusters
 def robust_variance(inverse: Array, score: Array, clusters: Sequence[Array]) -> Array:
     """The largest of diag H^-1 and diag H^-1 (sum g g^T) H^-1, with scores g summed over clusters, (p,).
 
-    Of G clusters the sum is G / (G - 1) times what it seems, and a 95 % interval as wide as Student's with G - 1 degrees
-    of freedom; the variance is the normal distribution's with that interval. Fewer than FEWEST tell nothing.
+    Of G clusters the sum is G / (G - 1) times what it seems, and a 95 % interval is Student's with G - 1 degrees of
+    freedom; the variance is that of a normal distribution with such an interval. Fewer than FEWEST tell nothing.
 
     Args:
         inverse: of the information H, (p, p).
