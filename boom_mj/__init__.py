@@ -1,5 +1,7 @@
 """Flexible large manipulators in MuJoCo: from a machine file to a model, its simulation and the replay of logs."""
 
+import boom_mj.engine  # noqa: F401  # isort: skip
+
 from boom_mj.errors import BoomError as BoomError
 from boom_mj.logs import load_topic_map as load_topic_map
 from boom_mj.logs import read_log as read_log

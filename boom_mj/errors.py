@@ -4,6 +4,8 @@ Every message is one sentence that names the culprit and the valid choices. The 
 branches to its exit statuses: `InputError` (what was asked cannot be asked) to 2, every other `BoomError` to 1.
 """
 
+from typing import Any
+
 
 class BoomError(Exception):
     """The work failed; the message says on what."""
@@ -45,12 +47,28 @@ class EquilibriumError(BoomError):
     """No static equilibrium was found; the residual and the pose are named."""
 
 
+class OutputError(BoomError):
+    """A file or folder cannot be written: which, and why; an old file is untouched then."""
+
+
+class WorkerError(BoomError):
+    """A process that worked for this one was killed."""
+
+
 class SimulationError(BoomError):
-    """A simulation left the numbers: when, and which coordinate."""
+    """A simulation left the numbers: when, and which coordinate.
+
+    Attributes:
+        states: the last states before it, a `simulation.LastStates`; None where there are none.
+    """
+
+    def __init__(self, message: str, states: Any = None) -> None:
+        super().__init__(message)
+        self.states = states
 
 
 class RenderError(BoomError):
-    """Pictures cannot be made or written: no OpenGL, a full disk, a worker that died."""
+    """Pictures cannot be made: no OpenGL, no such kind of picture."""
 
 
 class DatasetError(InputError):

@@ -1,11 +1,7 @@
 """A data set frame by frame, by several processes, resumable: whatever has its label is done."""
 
-import multiprocessing
-import os
-import threading
 from collections.abc import Callable, Iterable
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
+from concurrent.futures import as_completed
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -14,14 +10,15 @@ import cv2
 import numpy as np
 
 from boom_mj.cameras.chequerboard import shoot_boards
-from boom_mj.cameras.dataset import sweep, write_bytes, write_json
+from boom_mj.cameras.dataset import write_json
 from boom_mj.cameras.exposure import expose, instants, noisy
 from boom_mj.cameras.film import Film
 from boom_mj.cameras.labels import label
 from boom_mj.cameras.light import weather_of
 from boom_mj.cameras.studio import Studio, choose_headless
-from boom_mj.errors import RenderError
+from boom_mj.files import sweep, write_bytes
 from boom_mj.machine.rig import Chequerboard
+from boom_mj.workers import worker_pool
 
 Array = np.ndarray
 Report = Callable[[int, int], None]
@@ -117,9 +114,11 @@ def render_frames(film: Film, frames: list[Frame], look: Look, folder: Path, wor
     """Take all frames that are not done yet.
 
     Raises:
-        RenderError: no OpenGL, a full disk, or a worker that died; what is done stays.
+        RenderError: no OpenGL.
+        OutputError: a full disk.
+        WorkerError: a worker that was killed. What is done stays.
     """
-    sweep(folder)
+    sweep(folder.rglob(".*.part"))
     missing = [frame for frame in frames if not (folder / frame.place("labels", ".json")).is_file()]
     batches = [missing[k : k + BATCH] for k in range(0, len(missing), BATCH)]
     done = len(frames) - len(missing)
@@ -157,18 +156,9 @@ def _in_workers(workers: int, films: tuple[Film], jobs: list[partial[int]]) -> I
     if not jobs:
         return
     choose_headless()
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(min(workers, len(jobs)), context, _prepare, films)
-    try:
+    with worker_pool(min(workers, len(jobs)), _prepare, *films) as pool:
         for future in as_completed([pool.submit(job) for job in jobs]):
             yield future.result()
-    except BrokenProcessPool as error:
-        raise RenderError(
-            "a worker died, perhaps for want of memory; what is done stays, and the same call finishes it "
-            "(fewer --workers need less)"
-        ) from error
-    finally:
-        pool.shutdown(cancel_futures=True)
 
 
 _studio: list[Studio] = []  # of this worker, from its first frame on
@@ -178,20 +168,12 @@ _film: list[Film] = []
 def _prepare(film: Film) -> None:
     cv2.setNumThreads(1)
     _film.append(film)
-    threading.Thread(target=_leave_with_parent, daemon=True).start()
 
 
 def _own_studio() -> Studio:
     if not _studio:
         _studio.append(Studio(_film[0]))
     return _studio[0]
-
-
-def _leave_with_parent() -> None:
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
 
 
 def _png(picture: Array) -> bytes:

@@ -6,7 +6,7 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from boom_mj.cli.arguments import Hinges, MachineFile, find_machine, output_path
+from boom_mj.cli.arguments import Hinges, MachineFile, find_machine, last_states_beside, output_path
 from boom_mj.effects import parse_effect
 from boom_mj.logs import write_mcap
 from boom_mj.sensors import boom_scene, record
@@ -27,7 +27,9 @@ def command(
     if output is not None:
         output_path(output, ".mcap")
     plan, effects = load_experiment(experiment), [parse_effect(text) for text in effect or []]
-    trajectory = run_experiment(make_plant(find_machine(machine), hinges, effects), plan)
+    plant = make_plant(find_machine(machine), hinges, effects)
+    with last_states_beside(output):
+        trajectory = run_experiment(plant, plan)
     rng = np.random.default_rng(seed) if noise else None
     recording = record(trajectory, plan, rng)
     if output is not None:

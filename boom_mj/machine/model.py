@@ -5,7 +5,6 @@ properties beside them are in radians. A `Pair` is (root, tip); what lies betwee
 """
 
 import math
-import tomllib
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Literal, Self, get_args
@@ -13,6 +12,7 @@ from typing import Annotated, Literal, Self, get_args
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
 
 from boom_mj.errors import MachineFileError
+from boom_mj.files import parse_toml, read_text
 from boom_mj.machine.fields import Frozen, NonNegative, Pair, Point2, Positive
 from boom_mj.machine.rig import Camera, Targets
 
@@ -269,19 +269,14 @@ def load_machine(path: Path | str) -> Machine:
         MachineFileError: the file is missing, is no TOML, or holds bad values; every one of them is listed with its
             place, the value and what is allowed.
     """
-    try:
-        text = Path(path).read_bytes().decode()
-    except (OSError, UnicodeDecodeError) as error:
-        raise MachineFileError(f"{path}: cannot be read as a machine file ({error})") from error
-    return parse_machine(text, str(path))
+    return parse_machine(read_text(path, MachineFileError), str(path))
 
 
 def parse_machine(text: str, source: str = "machine file") -> Machine:
     """The machine that a TOML text describes; see `load_machine`."""
+    content = parse_toml(text, source, MachineFileError)
     try:
-        return Machine.model_validate(tomllib.loads(text))
-    except tomllib.TOMLDecodeError as error:
-        raise MachineFileError(f"{source}: not a TOML file: {error}") from error
+        return Machine.model_validate(content)
     except ValidationError as error:
         raise MachineFileError("\n".join(f"{source}: {line}" for line in _sentences(error))) from error
 

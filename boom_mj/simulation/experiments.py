@@ -1,6 +1,5 @@
 """Experiments: a start pose, moves of joints, and a rope load that is cut."""
 
-import tomllib
 from pathlib import Path
 from typing import Annotated
 
@@ -8,6 +7,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from boom_mj.errors import ExperimentError
+from boom_mj.files import parse_toml, read_text
 from boom_mj.machine import Machine
 
 Array = np.ndarray
@@ -128,10 +128,9 @@ def parse_experiment(path: str) -> Experiment:
     Raises:
         ExperimentError: the file cannot be read or has bad fields; each is named.
     """
+    content = parse_toml(read_text(path, ExperimentError), path, ExperimentError)
     try:
-        return Experiment.model_validate({"name": Path(path).stem, **tomllib.loads(Path(path).read_text())})
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise ExperimentError(f"{path}: cannot be read as an experiment ({error})") from error
+        return Experiment.model_validate({"name": Path(path).stem, **content})
     except ValidationError as error:
         places = "; ".join(f"{'.'.join(map(str, e['loc']))} = {e['input']!r}: {e['msg']}" for e in error.errors())
         raise ExperimentError(f"{path}: {places}") from error

@@ -13,11 +13,10 @@ holds what its sensors said and nothing else (reading and writing it again gives
 import json
 import os
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import dataclass
 from functools import cache
 from hashlib import sha256
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -25,14 +24,16 @@ import numpy as np
 
 from boom_mj.effects import Effect
 from boom_mj.errors import EquilibriumError, InputError, SimulationError
+from boom_mj.files import locked, read_json, sweep, write_text
 from boom_mj.gap.blind.drawing import Order, draw, orders
 from boom_mj.gap.blind.truth import nuisances, true_plant
 from boom_mj.gap.blind.visibility import Eye
-from boom_mj.logs import whole_file, write_mcap
+from boom_mj.logs import write_mcap
 from boom_mj.machine import parse_machine
 from boom_mj.recording import Recording
 from boom_mj.sensors import record
 from boom_mj.simulation import CATALOGUE, run_experiment
+from boom_mj.workers import worker_pool
 
 SECRET = 16  # bytes that a seed file must have, or else it can be guessed from its hash
 STAMP = 946684800  # s, the year 2000: modification time of everything in a campaign
@@ -84,8 +85,6 @@ def make_cases(
         raise InputError(f"{seal}: the seal must lie outside {folder}")
     if len(secret) < SECRET:
         raise InputError(f"the seed file holds {len(secret)} bytes; at least {SECRET} are needed to keep the secret")
-    if (folder / "seal.sha256").exists():
-        raise InputError(f"{folder} holds a sealed campaign already")
     digest = sha256(b"blind cases" + secret).digest()  # not the hash that may be published
     entropy = tuple(int(word) for word in np.frombuffer(digest, "<u4"))
     drawn = orders(cases, mix, np.random.default_rng(entropy))
@@ -94,22 +93,29 @@ def make_cases(
         for k, order in enumerate(drawn)
     ]
     parts = seal.with_suffix(".parts")
-    parts.mkdir(parents=True, exist_ok=True)
-    folder.mkdir(parents=True, exist_ok=True)
+    if (folder / "seal.sha256").exists() and not parts.exists():  # with its parts, sealing was interrupted
+        raise InputError(f"{folder} holds a sealed campaign already")
+    with locked(folder), locked(parts):
+        yield from _made(todo, secret, digest, machine, folder, seal, parts, jobs)
+
+
+def _made(
+    todo: list[_Case], secret: bytes, digest: bytes, machine: str, folder: Path, seal: Path, parts: Path, jobs: int
+) -> Iterator[int]:
+    """Make the cases that are not done, and seal."""
     waiting = [case for case in todo if not (parts / f"{case.name}.json").exists()]
     yield len(todo) - len(waiting)
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+    with worker_pool(jobs) as pool:
         futures = {pool.submit(_make, case): case for case in waiting}
         for number, future in enumerate(as_completed(futures), len(todo) - len(waiting) + 1):
             _write_json(parts / f"{futures[future].name}.json", future.result())
             yield number
-    answers = {case.name: json.loads((parts / f"{case.name}.json").read_text()) for case in todo}
+    answers = {case.name: read_json(parts / f"{case.name}.json", InputError) for case in todo}
     salt = {"salt": _hash(digest, "salt", 0), "seed_sha256": sha256(secret).hexdigest()}
     _write_json(seal, {**salt, "cases": dict(sorted(answers.items()))})
-    with whole_file(folder / "machine.toml") as stream:
-        stream.write(machine.encode())
-    with whole_file(folder / "seal.sha256") as stream:
-        stream.write(f"{sha256(seal.read_bytes()).hexdigest()}\n".encode())
+    write_text(folder / "machine.toml", machine)
+    write_text(folder / "seal.sha256", f"{sha256(seal.read_bytes()).hexdigest()}\n")
+    sweep(folder.rglob(".*.part"))
     _same_times(folder)
     for part in parts.iterdir():
         part.unlink()
@@ -121,8 +127,7 @@ def _hash(digest: bytes, purpose: str, number: int) -> str:
 
 
 def _write_json(path: Path, content: Any) -> None:
-    with whole_file(path) as stream:
-        stream.write((json.dumps(content, indent=1) + "\n").encode())
+    write_text(path, json.dumps(content, indent=1) + "\n")
 
 
 def _make(case: _Case) -> dict[str, Any]:

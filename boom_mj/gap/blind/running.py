@@ -7,20 +7,21 @@ each of them whole. What was interrupted goes on where it was; what a dead worke
 import json
 import time
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from functools import partial
 from hashlib import sha256
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, Protocol
 
 from boom_mj.errors import InputError
+from boom_mj.files import locked, read_bytes, read_json, read_text, write_text
 from boom_mj.gap.answer import document
 from boom_mj.gap.blind.confining import confined_to
 from boom_mj.gap.campaign import Campaign
 from boom_mj.gap.diagnose import diagnose
-from boom_mj.logs import read_log, whole_file
+from boom_mj.logs import read_log
 from boom_mj.machine import parse_machine
+from boom_mj.workers import worker_pool
 
 
 class Pending(Protocol):
@@ -37,9 +38,9 @@ def waiting_cases(folder: Path, answers: Path) -> tuple[list[Path], int]:
     """
     if not (folder / "seal.sha256").is_file():
         raise InputError(f"{folder} holds no sealed campaign: there is no seal.sha256")
-    published = (folder / "seal.sha256").read_text().strip()
+    published = read_text(folder / "seal.sha256", InputError).strip()
     for path in sorted(folder.rglob("*")):
-        if path.is_file() and sha256(path.read_bytes()).hexdigest() == published:
+        if path.is_file() and sha256(read_bytes(path, InputError)).hexdigest() == published:
             raise InputError(f"{path} is the seal: a campaign must not be run with its answers inside")
     cases = sorted(path.parent for path in folder.glob("*/withhold.json"))
     return [case for case in cases if not (answers / f"{case.name}.json").exists()], len(cases)
@@ -55,15 +56,14 @@ def answer_cases(
         answers: folder for the answers.
         cluster: address of a Dask scheduler whose workers see the cases under the same paths.
     """
-    answers.mkdir(parents=True, exist_ok=True)
-    for case, pending in spread(partial(solve, machine=machine), cases, jobs, cluster):
-        try:
-            with whole_file(answers / f"{case.name}.json") as stream:
-                stream.write(pending.result().encode())
-        except Exception as error:  # one bad case must not end the campaign
-            yield case, error
-        else:
-            yield case, None
+    with locked(answers):
+        for case, pending in spread(partial(solve, machine=machine), cases, jobs, cluster):
+            try:
+                write_text(answers / f"{case.name}.json", pending.result())
+            except Exception as error:  # one bad case must not end the campaign
+                yield case, error
+            else:
+                yield case, None
 
 
 def spread(
@@ -71,7 +71,7 @@ def spread(
 ) -> Iterator[tuple[Path, Pending]]:
     """Work on items in processes; yields each with its result as it ends."""
     if cluster is None:
-        with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+        with worker_pool(jobs) as pool:
             futures = {pool.submit(work, item): item for item in items}
             yield from ((futures[future], future) for future in as_completed(futures))
         return
@@ -88,7 +88,7 @@ def solve(case: Path, machine: str) -> str:
     """The answer to one case as JSON, by a process that can open nothing but the case."""
     began = time.perf_counter()
     with confined_to(case):
-        without = tuple(json.loads((case / "withhold.json").read_text())["without"])
+        without = tuple(read_json(case / "withhold.json", InputError)["without"])
         train, held_out = (sorted((case / part).glob("*.mcap")) for part in ("train", "holdout"))
         paths = (*train, *held_out)
         campaign = Campaign(parse_machine(machine), [read_log(path) for path in paths], len(train), threads=1)
