@@ -1,0 +1,353 @@
+"""What is tried: every command, every kind of fault; how each try ends is counted by `Count`."""
+
+import json
+import os
+import shutil
+import signal
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import hostile
+import inputs
+import numpy as np
+from attempts import Attempt, attempt
+from harms import HARMS, broken
+from inputs import Target
+
+from boom_mj.logs import read_mcap
+
+KINDS = ("cut", "corrupted", "empty", "huge", "hostile", "not a number", "place", "disk full", "killed", "two at once",
+         "environment")  # fmt: skip
+COLUMNS = ("tried", "clear error", "accepted", "crash", "blow-up", "half-written")
+HUGE_MEMORY = 4 * 2**30
+
+
+@dataclass
+class Count:
+    """Counts by command and kind, and the stories of what should not be."""
+
+    by_command: dict[str, Counter] = field(default_factory=dict)
+    by_kind: dict[str, Counter] = field(default_factory=dict)
+    stories: list[str] = field(default_factory=list)
+
+    def take(self, command: str, kind: str, label: str, outcome: str, half: Sequence[str], story: str) -> None:
+        for counts, key in ((self.by_command, command), (self.by_kind, kind)):
+            count = counts.setdefault(key, Counter())
+            count["tried"] += 1
+            count[outcome] += 1
+            count["half-written"] += len(half)
+        if half or outcome in ("crash", "blow-up"):
+            self.stories.append(f"{command}, {kind}, {label}: {outcome} {' '.join(half)}\n{story}")
+
+    @property
+    def bad(self) -> int:
+        return sum(c["crash"] + c["blow-up"] + c["half-written"] for c in self.by_kind.values())
+
+    def table(self) -> str:
+        lines = []
+        for head, counts in (("command", self.by_command), ("kind", self.by_kind)):
+            lines += [f"| {head} | " + " | ".join(COLUMNS) + " |", "|---" * (len(COLUMNS) + 1) + "|"]
+            rows = [*sorted(counts.items())] if head == "command" else [(k, counts[k]) for k in KINDS if k in counts]
+            if head == "kind":
+                rows.append(("all", sum(counts.values(), Counter())))
+            lines += [f"| {name} | " + " | ".join(str(count[c]) for c in COLUMNS) + " |" for name, count in rows] + [""]
+        return "\n".join(lines)
+
+
+class Campaign:
+    """Tries in fresh folders below one that is removed afterwards.
+
+    Args:
+        folder: empty.
+        tell: is called with a line now and then.
+    """
+
+    def __init__(self, folder: Path, seed: int = 1, tell: Callable[[str], None] = lambda line: None) -> None:
+        self.folder, self.whole, self.count, self.tell = folder, folder / "whole", Count(), tell
+        self.rng, self.number = np.random.default_rng(seed), 0
+        self.whole.mkdir()
+        inputs.make_whole(self.whole)
+
+    def fresh(self) -> Path:
+        self.number += 1
+        return inputs.place(self.whole, self.folder / str(self.number))
+
+    def drop(self, here: Path) -> None:
+        shutil.rmtree(here.parent)
+
+    def content(self, target: Target) -> bytes:
+        return (self.whole / target.file).read_bytes()
+
+    def harmed(self, target: Target, kind: str, label: str, harm: Callable[[Path], None], **limits: object) -> None:
+        """Call a target's command with its file harmed."""
+        here = self.fresh()
+        before = _files(here)
+        harm(here / target.file)
+        done = attempt(target.arguments, here, **limits)  # type: ignore[arg-type]
+        self.judge(target, kind, label, done, here, before)
+        self.drop(here)
+
+    def judge(self, target: Target, kind: str, label: str, done: Attempt, here: Path, before: set[str]) -> None:
+        passed = bool(target.passed) and target.passed in done.told and "Traceback" not in done.told
+        culprits = (Path(target.file).name, Path(target.file).stem, "film", "ca5e")
+        outcome = "accepted" if passed and done.status in (1, 2) else done.outcome(*culprits)
+        half = half_written(here, before, done.status == 0)
+        if any(here.rglob(hostile.CANARY)):
+            outcome = "crash"
+        self.count.take(target.command, kind, label, outcome, half, f"{done.status} {done.told[-1500:]}")
+
+    # kinds of faults, one method each
+
+    def run_broken(self, each: int, files: Sequence[str] = ()) -> None:
+        """Every file cut and corrupted `each` times."""
+        for target in inputs.targets(*files):
+            self.tell(f"{target.command} {target.file}")
+            content = self.content(target)
+            for k in range(each):
+                harm = HARMS[k % len(HARMS)]
+                data = broken(content, harm, self.rng)
+                kind = "cut" if harm == "cut" else "corrupted"
+                self.harmed(target, kind, f"{target.file} {harm} {k}", lambda p, data=data: _replace(p, data))
+
+    def run_hostile(self, files: Sequence[str] = (), bombs: bool = True) -> None:
+        """Every file replaced by what is none, by huge ones, and by those made to do harm."""
+        made: dict[str, list[tuple[str, bytes]]] = {}
+        for target in inputs.targets(*files):
+            self.tell(f"{target.command} {target.file}")
+            for label, data in hostile.nothing():
+                kind = "empty" if label == "empty" else "hostile"
+                self.harmed(target, kind, f"{target.file} {label}", lambda p, data=data: _replace(p, data))
+            self.harmed(target, "huge", f"{target.file} of {hostile.SPARSE} bytes", _enlarge)
+            self.harmed(target, "huge", f"{target.file}, whole and {hostile.SPARSE} bytes", _extend)
+            self.harmed(target, "hostile", f"{target.file} is a folder", _make_folder)
+            self.harmed(target, "hostile", f"{target.file} is a loop of links", _make_loop)
+            for label, data in self._special(target, made):
+                if not bombs and "bomb" in label:
+                    continue
+                self.harmed(target, "hostile", f"{target.file} {label}", lambda p, data=data: self._plant(p, data))
+
+    def _special(self, target: Target, made: dict[str, list[tuple[str, bytes]]]) -> list[tuple[str, bytes]]:
+        name = Path(target.file).name
+        text = self.content(target)
+        if name.endswith(".toml"):
+            return [*hostile.tomls(text.decode())]
+        makers = {
+            ".mcap": hostile.mcaps, ".csv": hostile.tables, ".gz": hostile.packed_tables, ".bag": hostile.bags,
+            ".mat": hostile.matlab, ".xml": hostile.xmls,
+        }  # fmt: skip
+        if name == "dataset.json":
+            return [*hostile.datasets(json.loads(text))]
+        if name == "a.png":
+            return [("png bomb", hostile.png_bomb())]
+        if name.endswith(".json"):
+            return [*jsons(json.loads(text))]
+        suffix = Path(name).suffix
+        if suffix in makers and suffix not in made:
+            made[suffix] = [*makers[suffix]()]
+        return made.get(suffix, [])
+
+    def _plant(self, path: Path, data: bytes) -> None:
+        _replace(path, data)
+        if path.name == "seal.json":
+            inputs.seal(path.parent, data)
+        for bomb in (path.with_name("bomb.png"),):
+            if b"bomb.png" in data:
+                bomb.write_bytes(hostile.png_bomb())
+
+    def run_not_a_number(self) -> None:
+        """Machine files, experiments and maps with nan, inf and extreme values; logs of NaN."""
+        for target in inputs.targets("machine.toml", "experiment.toml", "robot.toml", "csv_map.toml"):
+            lines = self.content(target).decode().splitlines()
+            numbers = [k for k, line in enumerate(lines) if "=" in line and any(c.isdigit() for c in line)]
+            self.tell(f"{target.command} {target.file}")
+            for k, value in enumerate(("nan", "inf", "-inf", "1e308", "1e-308", "-1.0", "0.0", "1e15", "1e-9")):
+                for line in self.rng.choice(numbers, min(len(numbers), 3), replace=False):
+                    text = "\n".join((*lines[:line], _with_value(lines[line], value), *lines[line + 1 :]))
+                    label = f"{target.file} {value} {k}: {lines[line]}"
+                    self.harmed(target, "not a number", label, lambda p, text=text: p.write_text(text))
+        for target in inputs.targets("log.mcap"):
+            for which in ("joint/position", "markers", "all"):
+                self.harmed(target, "not a number", f"log of NaN in {which}", lambda p, w=which: _write_nan(p, w))
+
+    def run_places(self) -> None:
+        """Outputs where there is no folder, in place of one, without permission; stdout that is full or closed."""
+        for target in self._with_output():
+            option = target.arguments.index(_output(target))
+            suffix = Path(target.arguments[option]).suffix
+            for label, path in (
+                ("no folder", f"no/where/out{suffix}"), ("a folder", f"film{suffix}"), ("below a file", f"machine.toml/out{suffix}"),
+                ("no permission", f"/proc/out{suffix}"), ("no permission in a folder", f"/sys/out{suffix}"),
+                ("loop of links", f"loop{suffix}"), ("long name", "x" * 300 + suffix), ("zero in the name", f"a\x00b{suffix}"),
+            ):  # fmt: skip
+                here = self.fresh()
+                (here / f"film{suffix}").mkdir(exist_ok=True)
+                if suffix:
+                    (here / f"loop{suffix}").symlink_to(f"loop{suffix}")
+                before = _files(here)
+                arguments = (*target.arguments[:option], path, *target.arguments[option + 1 :])
+                done = attempt(arguments, here)
+                outcome = done.outcome(path, Path(path).name[:60], "\\x00", target.passed or path)
+                story = f"{done.status} {done.told[-1500:]}"
+                half = half_written(here, before, False)
+                self.count.take(target.command, "place", f"{label} {path}", outcome, half, story)
+                self.drop(here)
+
+    def run_full_disk(self, sizes: Sequence[int] = (0, 100, 3000)) -> None:
+        """Files that cannot grow; an old output stays. Results to a stdout that is full."""
+        for target in self._with_output():
+            if target.passed or target.file not in ("machine.toml", "log.mcap", "seal.json"):
+                continue
+            for size in sizes:
+                for old in (False, True):
+                    here = self.fresh()
+                    out = here / _output(target)
+                    if old:
+                        out.write_bytes(b"old")
+                    before = _files(here)
+                    done = attempt(target.arguments, here, file_size=size, before=_quiet)
+                    lost = ["old output lost"] * (old and out.read_bytes() != b"old")
+                    half = half_written(here, before, done.status == 0) + lost
+                    outcome = "clear error" if done.status == 1 and not done.told else done.outcome("out", "stdout")
+                    story = f"{done.status} {done.told[-1500:]}"
+                    self.count.take(target.command, "disk full", f"{size} bytes", outcome, half, story)
+                    self.drop(here)
+        for command in (("generate", "machine.toml"), ("gap", "effects"), ("logs", "inspect", "log.mcap"), ("validate", "machine.toml", "--poses", "1")):  # fmt: skip
+            here = self.fresh()
+            done = attempt(command, here, before=_full_stdout)
+            name = " ".join(command[:2]) if command[0] in ("gap", "logs") else command[0]
+            story = f"{done.status} {done.told[-1500:]}"
+            self.count.take(name, "disk full", "stdout", done.outcome("stdout"), [], story)
+            self.drop(here)
+
+    def run_killed(self, each: int) -> None:
+        """Calls killed at random moments: the output is whole or not there, and the same call then succeeds."""
+        for target in self._with_output():
+            if target.passed or target.file not in ("machine.toml", "log.mcap", "seal.json"):
+                continue
+            here = self.fresh()
+            whole = attempt(target.arguments, here)
+            assert whole.status == 0, whole.told
+            wanted = (here / _output(target)).read_bytes()
+            self.drop(here)
+            self.tell(f"{target.command}: {whole.wall:.1f} s, killed {each} times")
+            for k in range(each):
+                here = self.fresh()
+                number = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)[k % 3]
+                late = k % 2 == 0  # most of the writing is at the end
+                moment = float(self.rng.uniform(0.6 if late else 0.0, 1.0)) * whole.wall
+                done = attempt(target.arguments, here, kill=(number, moment))
+                out = here / _output(target)
+                half = ["half-written"] if out.exists() and out.read_bytes() != wanted else []
+                if number != signal.SIGKILL:
+                    half += [p.name for p in here.rglob(".*.part")]
+                if done.status == -signal.SIGKILL:
+                    outcome = "killed"
+                else:
+                    outcome = done.outcome("interrupted")
+                again = attempt(target.arguments, here)
+                half += [] if again.status == 0 and out.read_bytes() == wanted else [f"not finished: {again.told}"]
+                half += [p.name for p in here.rglob(".*.part")]
+                story = f"{done.status} {done.told[-1500:]}"
+                outcome = "clear error" if outcome == "killed" else outcome
+                self.count.take(target.command, "killed", f"{number.name} {moment:.2f} s", outcome, half, story)
+                self.drop(here)
+
+    def _with_output(self) -> Iterator[Target]:
+        seen = set()
+        for target in inputs.TARGETS:
+            key = (target.command, _output(target))
+            if _output(target) and key not in seen:
+                seen.add(key)
+                yield target
+
+
+def jsons(whole: object) -> Iterator[tuple[str, bytes]]:
+    """Documents of the wrong kind."""
+    for label, value in (("list", []), ("text", "x"), ("number", 1e400), ("nothing", None), ("no keys", {})):
+        yield label, json.dumps(value).encode()
+    yield "deep", b"[" * 200_000
+    text = json.dumps(whole)
+    for old, new in (('"effects": [', '"effects": [7, '), ('"id"', '"di"'), ('"class"', '"ssalc"'), ('"low": 49.0', '"low": "x"'),
+                     ('"gap": {', '"gap": 3, "pag": {'), ('"without": [', '"without": 5, "x": ['), ('"cases": {', '"cases": [], "x": {'),
+                     ('"verdict": "explained"', '"verdict": []'), ('50.0', 'NaN'), ('51.0', 'Infinity')):  # fmt: skip
+        if old in text:
+            yield f"{old} -> {new}", text.replace(old, new).encode()
+
+
+def half_written(here: Path, before: set[str], done: bool) -> list[str]:
+    """Files that a call left and should not have: any new one if it failed, parts and torn ones always."""
+    found = []
+    for name in sorted(_files(here) - before):
+        if name.endswith(".part"):
+            found.append(name)
+        elif not done and not name.startswith("out/") and Path(name).name not in ("seal.sha256", hostile.CANARY):
+            found.append(name)
+        elif name.endswith(".mcap") and done:
+            read_mcap(here / name)
+    return found
+
+
+def _files(here: Path) -> set[str]:
+    return {str(p.relative_to(here)) for p in here.rglob("*") if p.is_symlink() or p.is_file()}
+
+
+def _output(target: Target) -> str:
+    return next((a for a in target.arguments if a.startswith("out")), "")
+
+
+def _replace(path: Path, data: bytes) -> None:
+    path.write_bytes(data)
+
+
+def _enlarge(path: Path) -> None:
+    path.write_bytes(b"")
+    os.truncate(path, hostile.SPARSE)
+
+
+def _extend(path: Path) -> None:
+    os.truncate(path, hostile.SPARSE)
+
+
+def _make_folder(path: Path) -> None:
+    path.unlink()
+    path.mkdir()
+
+
+def _make_loop(path: Path) -> None:
+    path.unlink()
+    path.symlink_to(path.name)
+
+
+def _with_value(line: str, value: str) -> str:
+    """A line of TOML with its first number replaced."""
+    key, _, rest = line.partition("=")
+    head = rest[: len(rest) - len(rest.lstrip(" ["))]
+    body = rest[len(head) :]
+    end = next((k for k, c in enumerate(body) if c in ",] #"), len(body))
+    return f"{key}={head}{value}{body[end:]}"
+
+
+def _write_nan(path: Path, which: str) -> None:
+    from boom_mj.logs import write_mcap
+    from boom_mj.recording import Recording, Signal
+
+    log = read_mcap(path)
+    signals = {}
+    for name, s in log.signals.items():
+        values = np.full_like(s.values, np.nan) if which in (name, "all") else s.values
+        signals[name] = Signal(s.time, values, s.channels, s.unit, s.frame)
+    try:
+        write_mcap(Recording(log.name, log.machine, log.description, signals), path)
+    except Exception:  # NaN are refused when written: put them into the bytes
+        data = path.read_bytes()
+        path.write_bytes(data[: len(data) // 2] + np.full(64, np.nan).tobytes() + data[len(data) // 2 :])
+
+
+def _quiet() -> None:
+    """No stderr, which could not grow either."""
+
+
+def _full_stdout() -> None:
+    os.dup2(os.open("/dev/full", os.O_WRONLY), 1)
