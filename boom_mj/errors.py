@@ -4,6 +4,7 @@ Every message is one sentence that names the culprit and the valid choices. The 
 branches to its exit statuses: `InputError` (what was asked cannot be asked) to 2, every other `BoomError` to 1.
 """
 
+import reprlib
 from typing import Any
 
 
@@ -77,3 +78,10 @@ class DatasetError(InputError):
 
 class TrackError(BoomError):
     """Pictures from which no positions follow: which camera, and what was missing."""
+
+
+def shown(value: Any) -> str:
+    """A bad value as a message shows it: however long or deep it is, on less than a line."""
+    short = reprlib.Repr()
+    short.maxlevel, short.maxstring, short.maxother, short.maxlist, short.maxtuple = 3, 100, 100, 10, 10
+    return short.repr(value)

@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, Any
 
-from boom_mj.errors import BoomError, OutputError
+from boom_mj.errors import BoomError, OutputError, shown
 
 LONGEST, LONGEST_DATA = 2**20, 2**30  # bytes of a text by hand; of a file that is read at once
 DEVICES = Path("/dev")
@@ -68,18 +68,18 @@ def read_json(path: Path | str, refuse: type[BoomError]) -> Any:
         raise refuse(f"{path}: not a JSON file: {error}") from error
 
 
-def inside(folder: Path, name: str, refuse: type[BoomError]) -> Path:
-    """The file that a file in a folder names.
+def inside(folder: Path, name: str, refuse: type[BoomError], source: Path) -> Path:
+    """The file in a folder that `source` names.
 
     Raises:
         refuse: it lies outside the folder, by its name or by a link.
     """
     try:
-        if (path := folder / name).resolve().is_relative_to(folder.resolve()):
-            return path
-    except (OSError, ValueError) as error:  # loops of links, bytes that no name has
-        raise refuse(f"{name!r} is no name of a file: {error}") from error
-    raise refuse(f"{name} lies outside {folder}, the folder of what names it: put it inside")
+        if Path(os.path.realpath(folder / name)).is_relative_to(os.path.realpath(folder)):
+            return folder / name
+    except ValueError as error:  # bytes that no name has
+        raise refuse(f"{source} names {shown(name)}, which is no name of a file: {error}") from error
+    raise refuse(f"{source} names {shown(name)}, which lies outside {folder}: put it inside")
 
 
 @contextmanager
@@ -97,7 +97,7 @@ def whole_file(path: Path | str) -> Iterator[IO[bytes]]:
             with path.open("wb") as stream:
                 yield stream
             return
-        target = path.resolve()
+        target = Path(os.path.realpath(path))
         part = target.with_name(f".{target.name}.{os.getpid()}.{threading.get_ident()}.part")
         try:
             with part.open("wb") as stream:

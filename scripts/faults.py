@@ -1,4 +1,4 @@
-"""The bad day: every command against broken files, bad places, full disks and kills; prints the tables of docs/bad_day.md.
+"""Every command against broken files, bad places, full disks and kills; prints the tables of docs/bad_day.md.
 
     python scripts/faults.py [--each 12] [--seed 1]
 
@@ -15,22 +15,31 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "faults"))
 
-import campaign as faults  # noqa: E402
+import campaign as faults
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--each", type=int, default=12, help="times that every file is cut or corrupted")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--only", nargs="*", default=(), help="kinds: broken, hostile, numbers, places, disk, killed")
+    parser.add_argument(
+        "--only",
+        nargs="*",
+        default=(),
+        help="kinds: broken, hostile, numbers, places, disk, killed, resumed, two, environment",
+    )
+    parser.add_argument("--command", default="", help='only what begins so: "gap diagnose model.xml"')
     given = parser.parse_args()
     began = time.monotonic()
 
     def tell(line: str) -> None:
         print(f"{time.monotonic() - began:6.0f} s  {campaign.count.bad} bad  {line}", file=sys.stderr, flush=True)
 
+    def chosen(target: faults.Target) -> bool:
+        return f"{target.command} {target.file}".startswith(given.command)
+
     with tempfile.TemporaryDirectory() as folder:
-        campaign = faults.Campaign(Path(folder), given.seed, tell)
+        campaign = faults.Campaign(Path(folder), given.seed, tell, chosen)
         for name, part in (
             ("broken", lambda: campaign.run_broken(given.each)),
             ("hostile", campaign.run_hostile),
@@ -38,11 +47,12 @@ def main() -> int:
             ("places", campaign.run_places),
             ("disk", campaign.run_full_disk),
             ("killed", lambda: campaign.run_killed(2 * given.each)),
+            ("resumed", lambda: campaign.run_killed_within(faults.RESUMABLE, 3)),
+            ("two", campaign.run_two),
+            ("environment", campaign.run_environments),
         ):
             if not given.only or name in given.only:
                 part()
-    for story in campaign.count.stories:
-        print(story, file=sys.stderr)
     print(campaign.count.table())
     return 1 if campaign.count.bad else 0
 

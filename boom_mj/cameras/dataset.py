@@ -105,7 +105,7 @@ def read_dataset(folder: Path) -> Dataset:
         raise DatasetError(f"{path}: {place or 'the file'}: {first['msg'][0].lower()}{first['msg'][1:]}") from error
     named = {p.file for p in (*dataset.calibration, *dataset.frames)} | {plate.picture for plate in dataset.plates}
     for place in sorted({os.path.dirname(file) for file in named}):
-        inside(folder, place, DatasetError)
+        inside(folder, place, DatasetError, path)
     return dataset
 
 

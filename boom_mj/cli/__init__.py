@@ -1,5 +1,6 @@
 """The command line: one file per command. Exit status 0 done, 1 the work failed, 2 the call was wrong."""
 
+import io
 import os
 import signal
 import sys
@@ -49,7 +50,8 @@ def run(arguments: Sequence[str] | None = None) -> int:
     keep_no_log()
     warnings.simplefilter("always", LogWarning)
     warnings.showwarning = _show_warning
-    sys.stdout.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]  # names of files may be no text
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # names of files may be no text
     try:
         try:
             app(arguments)

@@ -55,7 +55,7 @@ def output_folder(path: Path) -> Path:
     """Refuse a folder for outputs that cannot be before any work is done."""
     there = next(place for place in (_resolved(path), *_resolved(path).parents) if place.exists())
     if not there.is_dir():
-        raise InputError(f"{path}: {there} is a file; the output of this command is a folder")
+        raise InputError(f"{path}: {there} is a file; this command needs a folder")
     if not os.access(there, os.W_OK):
         raise InputError(f"{path} cannot be written: no permission in {there}")
     return path
@@ -63,8 +63,8 @@ def output_folder(path: Path) -> Path:
 
 def _resolved(path: Path) -> Path:
     try:
-        return path.resolve()
-    except (OSError, ValueError, RuntimeError) as error:  # loops of links
+        return Path(os.path.realpath(path))
+    except ValueError as error:  # bytes that no name has
         raise InputError(f"{path} cannot be written: {error}") from error
 
 

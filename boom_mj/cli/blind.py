@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from boom_mj.cli.arguments import machine_text, output_folder, output_path
+from boom_mj.cli.arguments import find_machine, machine_text, output_folder, output_path
 from boom_mj.errors import BoomError, InputError, MachineFileError
 from boom_mj.files import read_bytes, read_text, write_text
 
@@ -45,6 +45,7 @@ def make(
         raise InputError(f"{seed_file}: the seed file must lie outside {output}")
     output_folder(output)
     output_path(seal)
+    find_machine(machine)
     suite, shares = SHORT if short else SUITE, _shares(mix) if mix else dict(MIX)
     with progress() as report:
         for done in make_cases(

@@ -17,7 +17,7 @@ from boom_mj.errors import LogError
 from boom_mj.logs.channel import Batch
 from boom_mj.logs.encodings import decoder_of
 from boom_mj.logs.formats import format_of, log_file
-from boom_mj.logs.formats.table import SUFFIXES, cells, lines
+from boom_mj.logs.formats.table import SUFFIXES, cells, lines, numbers
 from boom_mj.logs.inflating import Inflater
 
 Array = np.ndarray
@@ -113,17 +113,7 @@ def _column(cells: list[str]) -> Any:
             return [json.loads(cell) for cell in cells]
         except (ValueError, RecursionError):
             return cells
-    try:
-        return np.array(cells, dtype=np.float64)
-    except ValueError:
-        return np.array([_number(cell) for cell in cells])
-
-
-def _number(cell: str) -> float:
-    try:
-        return float(cell)
-    except ValueError:
-        return np.nan
+    return numbers(cells)
 
 
 def _messages(path: Path, fields: tuple[str, ...]) -> dict[str, Array]:

@@ -6,7 +6,7 @@ import zlib
 import lz4.frame
 import zstandard
 
-FREE, RATIO = 2**28, 100  # bytes, and times its own size, to which a log may inflate
+FREE, RATIO = 2**27, 100  # bytes, and times its own size, to which a log may inflate
 
 
 class InflationError(ValueError):

@@ -9,7 +9,7 @@ from typing import Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, field_validator, model_validator
 
-from boom_mj.errors import TopicMapError
+from boom_mj.errors import TopicMapError, shown
 from boom_mj.files import parse_toml, read_text
 from boom_mj.logs.topics import LOGGED, TOPICS
 from boom_mj.logs.units import GUESS, UNITS
@@ -148,7 +148,7 @@ def _sentence(item: Any) -> str:
         known = ", ".join(field.alias or name for name, field in Entry.model_fields.items())
         return f"{place} is an unknown key; known are {known}"
     message = item["msg"].removeprefix("Value error, ")
-    return f"{place} = {item['input']!r}: {message}" if place else message
+    return f"{place} = {shown(item['input'])}: {message}" if place else message
 
 
 def own_map() -> TopicMap:

@@ -11,7 +11,7 @@ from typing import Annotated, Literal, Self, get_args
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
 
-from boom_mj.errors import MachineFileError
+from boom_mj.errors import MachineFileError, shown
 from boom_mj.files import parse_toml, read_text
 from boom_mj.machine.fields import Frozen, NonNegative, Pair, Point2, Positive
 from boom_mj.machine.rig import Camera, Targets
@@ -289,13 +289,13 @@ def _sentences(error: ValidationError) -> list[str]:
         if kind == "missing":
             lines.append(f"{place} is missing")
         elif kind == "extra_forbidden":
-            lines.append(f"{place} = {value!r}: unknown key; known here: {', '.join(_known(item['loc'][:-1]))}")
+            lines.append(f"{place} = {shown(value)}: unknown key; known here: {', '.join(_known(item['loc'][:-1]))}")
         elif kind == "value_error":
             message = item["msg"].removeprefix("Value error, ")
-            shown = "" if isinstance(value, dict) else f" = {value!r}"
-            lines.append(f"{place}{shown}: {message}" if place else message)
+            after = "" if isinstance(value, dict) else f" = {shown(value)}"
+            lines.append(f"{place}{after}: {message}" if place else message)
         else:
-            lines.append(f"{place} = {value!r}: {item['msg'][0].lower()}{item['msg'][1:]}")
+            lines.append(f"{place} = {shown(value)}: {item['msg'][0].lower()}{item['msg'][1:]}")
     return lines
 
 

@@ -6,7 +6,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
-from boom_mj.errors import ExperimentError
+from boom_mj.errors import ExperimentError, shown
 from boom_mj.files import parse_toml, read_text
 from boom_mj.machine import Machine
 
@@ -132,5 +132,5 @@ def parse_experiment(path: str) -> Experiment:
     try:
         return Experiment.model_validate({"name": Path(path).stem, **content})
     except ValidationError as error:
-        places = "; ".join(f"{'.'.join(map(str, e['loc']))} = {e['input']!r}: {e['msg']}" for e in error.errors())
+        places = "; ".join(f"{'.'.join(map(str, e['loc']))} = {shown(e['input'])}: {e['msg']}" for e in error.errors())
         raise ExperimentError(f"{path}: {places}") from error

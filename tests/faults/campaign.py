@@ -4,6 +4,8 @@ import json
 import os
 import shutil
 import signal
+import subprocess
+import sys
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -16,12 +18,28 @@ from attempts import Attempt, attempt
 from harms import HARMS, broken
 from inputs import Target
 
+from boom_mj.files import locked
 from boom_mj.logs import read_mcap
 
-KINDS = ("cut", "corrupted", "empty", "huge", "hostile", "not a number", "place", "disk full", "killed", "two at once",
-         "environment")  # fmt: skip
+KINDS = (
+    "cut",
+    "corrupted",
+    "empty",
+    "huge",
+    "hostile",
+    "not a number",
+    "place",
+    "disk full",
+    "killed",
+    "two at once",
+    "environment",
+)
 COLUMNS = ("tried", "clear error", "accepted", "crash", "blow-up", "half-written")
-HUGE_MEMORY = 4 * 2**30
+GRAPHICS = ("disabled", "glfw", "osmesa", "nonsense")
+RESUMABLE = (
+    ("render", "machine.toml --experiment experiment.toml -o out --scale 0.05 --every 4 --workers 1"),
+    ("gap blind make", "--cases 1 --seed-file seed --seal out.seal -o out --machine machine.toml --mix none=1 --short"),
+)
 
 
 @dataclass
@@ -31,6 +49,7 @@ class Count:
     by_command: dict[str, Counter] = field(default_factory=dict)
     by_kind: dict[str, Counter] = field(default_factory=dict)
     stories: list[str] = field(default_factory=list)
+    tell: Callable[[str], None] = lambda line: None
 
     def take(self, command: str, kind: str, label: str, outcome: str, half: Sequence[str], story: str) -> None:
         for counts, key in ((self.by_command, command), (self.by_kind, kind)):
@@ -40,6 +59,7 @@ class Count:
             count["half-written"] += len(half)
         if half or outcome in ("crash", "blow-up"):
             self.stories.append(f"{command}, {kind}, {label}: {outcome} {' '.join(half)}\n{story}")
+            self.tell(self.stories[-1])
 
     @property
     def bad(self) -> int:
@@ -62,13 +82,25 @@ class Campaign:
     Args:
         folder: empty.
         tell: is called with a line now and then.
+        chosen: which targets are tried.
     """
 
-    def __init__(self, folder: Path, seed: int = 1, tell: Callable[[str], None] = lambda line: None) -> None:
-        self.folder, self.whole, self.count, self.tell = folder, folder / "whole", Count(), tell
+    def __init__(
+        self,
+        folder: Path,
+        seed: int = 1,
+        tell: Callable[[str], None] = lambda line: None,
+        chosen: Callable[[Target], bool] = lambda target: True,
+    ) -> None:
+        self.folder, self.whole, self.count, self.tell = folder, folder / "whole", Count(tell=tell), tell
+        self.chosen = chosen
         self.rng, self.number = np.random.default_rng(seed), 0
         self.whole.mkdir()
         inputs.make_whole(self.whole)
+
+    def targets(self, *files: str) -> Iterator[Target]:
+        """The chosen targets, or those of some files."""
+        yield from (t for t in inputs.TARGETS if self.chosen(t) and (not files or Path(t.file).name in files))
 
     def fresh(self) -> Path:
         self.number += 1
@@ -83,15 +115,16 @@ class Campaign:
     def harmed(self, target: Target, kind: str, label: str, harm: Callable[[Path], None], **limits: object) -> None:
         """Call a target's command with its file harmed."""
         here = self.fresh()
-        before = _files(here)
         harm(here / target.file)
+        before = _files(here)
         done = attempt(target.arguments, here, **limits)  # type: ignore[arg-type]
         self.judge(target, kind, label, done, here, before)
         self.drop(here)
 
     def judge(self, target: Target, kind: str, label: str, done: Attempt, here: Path, before: set[str]) -> None:
         passed = bool(target.passed) and target.passed in done.told and "Traceback" not in done.told
-        culprits = (Path(target.file).name, Path(target.file).stem, "film", "ca5e")
+        given = [Path(word) for word in (target.file, *target.arguments) if "." in word]
+        culprits = (*(path.name for path in given), Path(target.file).stem, "film", "ca5e")
         outcome = "accepted" if passed and done.status in (1, 2) else done.outcome(*culprits)
         half = half_written(here, before, done.status == 0)
         if any(here.rglob(hostile.CANARY)):
@@ -100,9 +133,9 @@ class Campaign:
 
     # kinds of faults, one method each
 
-    def run_broken(self, each: int, files: Sequence[str] = ()) -> None:
+    def run_broken(self, each: int) -> None:
         """Every file cut and corrupted `each` times."""
-        for target in inputs.targets(*files):
+        for target in self.targets():
             self.tell(f"{target.command} {target.file}")
             content = self.content(target)
             for k in range(each):
@@ -111,10 +144,10 @@ class Campaign:
                 kind = "cut" if harm == "cut" else "corrupted"
                 self.harmed(target, kind, f"{target.file} {harm} {k}", lambda p, data=data: _replace(p, data))
 
-    def run_hostile(self, files: Sequence[str] = (), bombs: bool = True) -> None:
+    def run_hostile(self) -> None:
         """Every file replaced by what is none, by huge ones, and by those made to do harm."""
         made: dict[str, list[tuple[str, bytes]]] = {}
-        for target in inputs.targets(*files):
+        for target in self.targets():
             self.tell(f"{target.command} {target.file}")
             for label, data in hostile.nothing():
                 kind = "empty" if label == "empty" else "hostile"
@@ -124,8 +157,6 @@ class Campaign:
             self.harmed(target, "hostile", f"{target.file} is a folder", _make_folder)
             self.harmed(target, "hostile", f"{target.file} is a loop of links", _make_loop)
             for label, data in self._special(target, made):
-                if not bombs and "bomb" in label:
-                    continue
                 self.harmed(target, "hostile", f"{target.file} {label}", lambda p, data=data: self._plant(p, data))
 
     def _special(self, target: Target, made: dict[str, list[tuple[str, bytes]]]) -> list[tuple[str, bytes]]:
@@ -134,9 +165,13 @@ class Campaign:
         if name.endswith(".toml"):
             return [*hostile.tomls(text.decode())]
         makers = {
-            ".mcap": hostile.mcaps, ".csv": hostile.tables, ".gz": hostile.packed_tables, ".bag": hostile.bags,
-            ".mat": hostile.matlab, ".xml": hostile.xmls,
-        }  # fmt: skip
+            ".mcap": hostile.mcaps,
+            ".csv": hostile.tables,
+            ".gz": hostile.packed_tables,
+            ".bag": hostile.bags,
+            ".mat": hostile.matlab,
+            ".xml": hostile.xmls,
+        }
         if name == "dataset.json":
             return [*hostile.datasets(json.loads(text))]
         if name == "a.png":
@@ -158,7 +193,7 @@ class Campaign:
 
     def run_not_a_number(self) -> None:
         """Machine files, experiments and maps with nan, inf and extreme values; logs of NaN."""
-        for target in inputs.targets("machine.toml", "experiment.toml", "robot.toml", "csv_map.toml"):
+        for target in self.targets("machine.toml", "experiment.toml", "robot.toml", "csv_map.toml"):
             lines = self.content(target).decode().splitlines()
             numbers = [k for k, line in enumerate(lines) if "=" in line and any(c.isdigit() for c in line)]
             self.tell(f"{target.command} {target.file}")
@@ -167,7 +202,7 @@ class Campaign:
                     text = "\n".join((*lines[:line], _with_value(lines[line], value), *lines[line + 1 :]))
                     label = f"{target.file} {value} {k}: {lines[line]}"
                     self.harmed(target, "not a number", label, lambda p, text=text: p.write_text(text))
-        for target in inputs.targets("log.mcap"):
+        for target in self.targets("log.mcap"):
             for which in ("joint/position", "markers", "all"):
                 self.harmed(target, "not a number", f"log of NaN in {which}", lambda p, w=which: _write_nan(p, w))
 
@@ -177,10 +212,15 @@ class Campaign:
             option = target.arguments.index(_output(target))
             suffix = Path(target.arguments[option]).suffix
             for label, path in (
-                ("no folder", f"no/where/out{suffix}"), ("a folder", f"film{suffix}"), ("below a file", f"machine.toml/out{suffix}"),
-                ("no permission", f"/proc/out{suffix}"), ("no permission in a folder", f"/sys/out{suffix}"),
-                ("loop of links", f"loop{suffix}"), ("long name", "x" * 300 + suffix), ("zero in the name", f"a\x00b{suffix}"),
-            ):  # fmt: skip
+                ("no folder", f"no/where/out{suffix}"),
+                ("a folder", f"film{suffix}"),
+                ("below a file", f"machine.toml/out{suffix}"),
+                ("no permission", f"/proc/out{suffix}"),
+                ("no permission in a folder", f"/sys/out{suffix}"),
+                ("loop of links", f"loop{suffix}"),
+                ("long name", "x" * 300 + suffix),
+                ("zero in the name", f"a\x00b{suffix}"),
+            ):
                 here = self.fresh()
                 (here / f"film{suffix}").mkdir(exist_ok=True)
                 if suffix:
@@ -213,7 +253,12 @@ class Campaign:
                     story = f"{done.status} {done.told[-1500:]}"
                     self.count.take(target.command, "disk full", f"{size} bytes", outcome, half, story)
                     self.drop(here)
-        for command in (("generate", "machine.toml"), ("gap", "effects"), ("logs", "inspect", "log.mcap"), ("validate", "machine.toml", "--poses", "1")):  # fmt: skip
+        for command in (
+            ("generate", "machine.toml"),
+            ("gap", "effects"),
+            ("logs", "inspect", "log.mcap"),
+            ("validate", "machine.toml", "--poses", "1"),
+        ):
             here = self.fresh()
             done = attempt(command, here, before=_full_stdout)
             name = " ".join(command[:2]) if command[0] in ("gap", "logs") else command[0]
@@ -242,21 +287,92 @@ class Campaign:
                 half = ["half-written"] if out.exists() and out.read_bytes() != wanted else []
                 if number != signal.SIGKILL:
                     half += [p.name for p in here.rglob(".*.part")]
-                if done.status == -signal.SIGKILL:
-                    outcome = "killed"
-                else:
-                    outcome = done.outcome("interrupted")
+                outcome = "clear error" if done.status == -signal.SIGKILL else done.outcome("interrupted")
                 again = attempt(target.arguments, here)
                 half += [] if again.status == 0 and out.read_bytes() == wanted else [f"not finished: {again.told}"]
                 half += [p.name for p in here.rglob(".*.part")]
                 story = f"{done.status} {done.told[-1500:]}"
-                outcome = "clear error" if outcome == "killed" else outcome
                 self.count.take(target.command, "killed", f"{number.name} {moment:.2f} s", outcome, half, story)
                 self.drop(here)
 
+    def run_killed_within(self, calls: Sequence[tuple[str, str]], each: int) -> None:
+        """Resumable calls killed on their way: the same call finishes, to the same bytes."""
+        for command, arguments in calls:
+            words = (*command.split(), *arguments.split())
+            here = self.fresh()
+            whole = attempt(words, here, seconds=300)
+            assert whole.status == 0, whole.told
+            wanted = _bytes(here / "out")
+            self.drop(here)
+            self.tell(f"{command}: {whole.wall:.1f} s, killed {each} times and finished")
+            for k in range(each):
+                here = self.fresh()
+                number = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)[k % 3]
+                done = attempt(words, here, kill=(number, float(self.rng.uniform(0.3, 0.9)) * whole.wall), seconds=300)
+                torn = {n for n, b in _bytes(here / "out").items() if ".part" not in n and wanted.get(n, b) != b}
+                again = attempt(words, here, seconds=300)
+                same = again.status == 0 and _bytes(here / "out") == wanted
+                half = [*torn, *([] if same else [f"not finished: {again.told}"])]
+                outcome = "clear error" if done.status == -signal.SIGKILL else done.outcome("interrupted")
+                self.count.take(command, "killed", number.name, outcome, half, f"{done.status} {done.told[-1500:]}")
+                self.drop(here)
+
+    def run_two(self) -> None:
+        """Two calls at once: into one file the last one wins, whole; into one folder the second is refused."""
+        target = next(t for t in inputs.TARGETS if t.command == "simulate")
+        here = self.fresh()
+        wanted = attempt(target.arguments, here)
+        content = (here / "out.mcap").read_bytes()
+        (here / "out.mcap").unlink()
+        other = os.fork()
+        if other == 0:
+            os._exit(attempt(target.arguments, _below(here, "second")).status)
+        done = attempt(target.arguments, _below(here, "first"))
+        _, end = os.waitpid(other, 0)
+        whole = wanted.status == done.status == os.waitstatus_to_exitcode(end) == 0
+        half = [p.name for p in here.rglob(".*.part")]
+        half += [] if whole and (here / "out.mcap").read_bytes() == content else ["out.mcap"]
+        self.count.take("simulate", "two at once", "one file", "accepted" if whole else "crash", half, done.told)
+        self.drop(here)
+        for command, arguments in (
+            ("render", "machine.toml --experiment experiment.toml -o out --scale 0.05"),
+            ("gap blind make", "--cases 1 --seed-file seed --seal out.seal -o out --machine machine.toml --mix none=1"),
+            ("gap blind run", "campaign -o out"),
+        ):
+            here = self.fresh()
+            with locked(here / "out"):
+                done = attempt((*command.split(), *arguments.split()), here)
+            outcome = done.outcome("written by another process")
+            self.count.take(command, "two at once", "one folder", outcome, [], f"{done.status} {done.told}")
+            self.drop(here)
+
+    def run_environments(self) -> None:
+        """No OpenGL, no optional packages, no screen."""
+        film = "render machine.toml --experiment experiment.toml -o out --scale 0.05 --workers 1"
+        for name, call, culprit, change in (
+            *(("render", film, f"MUJOCO_GL={gl}", {"MUJOCO_GL": gl}) for gl in GRAPHICS),
+            ("gap blind run", "gap blind run campaign -o out --cluster tcp://a:1", "boom_mj[cluster]", ("dask",)),
+            ("view", "view machine.toml --experiment experiment.toml --web", "viewer cannot run", ("mujoco.studio",)),
+        ):
+            here = self.fresh()
+            done = attempt(call.split(), here, before=lambda c=change: _without(c))
+            self.count.take(name, "environment", culprit, done.outcome(culprit), [], f"{done.status} {done.told}")
+            self.drop(here)
+        for gl in ("nonsense", "disabled"):  # read when MuJoCo is imported
+            done = subprocess.run(
+                [sys.executable, "-m", "boom_mj", "generate", "boom36"],
+                capture_output=True,
+                text=True,
+                check=False,
+                env={**os.environ, "MUJOCO_GL": gl},
+                cwd=inputs.ROOT,
+            )
+            outcome = "accepted" if done.returncode == 0 and "<mujoco" in done.stdout else "crash"
+            self.count.take("generate", "environment", f"MUJOCO_GL={gl}", outcome, [], done.stderr)
+
     def _with_output(self) -> Iterator[Target]:
         seen = set()
-        for target in inputs.TARGETS:
+        for target in self.targets():
             key = (target.command, _output(target))
             if _output(target) and key not in seen:
                 seen.add(key)
@@ -269,9 +385,18 @@ def jsons(whole: object) -> Iterator[tuple[str, bytes]]:
         yield label, json.dumps(value).encode()
     yield "deep", b"[" * 200_000
     text = json.dumps(whole)
-    for old, new in (('"effects": [', '"effects": [7, '), ('"id"', '"di"'), ('"class"', '"ssalc"'), ('"low": 49.0', '"low": "x"'),
-                     ('"gap": {', '"gap": 3, "pag": {'), ('"without": [', '"without": 5, "x": ['), ('"cases": {', '"cases": [], "x": {'),
-                     ('"verdict": "explained"', '"verdict": []'), ('50.0', 'NaN'), ('51.0', 'Infinity')):  # fmt: skip
+    for old, new in (
+        ('"effects": [', '"effects": [7, '),
+        ('"id"', '"di"'),
+        ('"class"', '"ssalc"'),
+        ('"low": 49.0', '"low": "x"'),
+        ('"gap": {', '"gap": 3, "pag": {'),
+        ('"without": [', '"without": 5, "x": ['),
+        ('"cases": {', '"cases": [], "x": {'),
+        ('"verdict": "explained"', '"verdict": []'),
+        ("50.0", "NaN"),
+        ("51.0", "Infinity"),
+    ):
         if old in text:
             yield f"{old} -> {new}", text.replace(old, new).encode()
 
@@ -280,9 +405,9 @@ def half_written(here: Path, before: set[str], done: bool) -> list[str]:
     """Files that a call left and should not have: any new one if it failed, parts and torn ones always."""
     found = []
     for name in sorted(_files(here) - before):
-        if name.endswith(".part"):
-            found.append(name)
-        elif not done and not name.startswith("out/") and Path(name).name not in ("seal.sha256", hostile.CANARY):
+        if name.endswith(".part") or (
+            not done and not name.startswith("out/") and Path(name).name not in ("seal.sha256", hostile.CANARY)
+        ):
             found.append(name)
         elif name.endswith(".mcap") and done:
             read_mcap(here / name)
@@ -343,6 +468,29 @@ def _write_nan(path: Path, which: str) -> None:
     except Exception:  # NaN are refused when written: put them into the bytes
         data = path.read_bytes()
         path.write_bytes(data[: len(data) // 2] + np.full(64, np.nan).tobytes() + data[len(data) // 2 :])
+
+
+def _bytes(folder: Path) -> dict[str, bytes]:
+    return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+
+
+def _below(here: Path, name: str) -> Path:
+    """A folder of its own for what a call says, whose inputs and output are those of `here`."""
+    (here / name).mkdir()
+    for path in here.glob("*.toml"):
+        (here / name / path.name).symlink_to(path)
+    (here / name / "out.mcap").symlink_to(here / "out.mcap")
+    return here / name
+
+
+def _without(change: dict[str, str] | tuple[str, ...]) -> None:
+    """Variables set, or packages missing."""
+    for key in ("DISPLAY", "WAYLAND_DISPLAY"):
+        os.environ.pop(key, None)
+    if isinstance(change, dict):
+        os.environ.update(change)
+    else:
+        sys.modules.update(dict.fromkeys(change))  # type: ignore[arg-type]
 
 
 def _quiet() -> None:

@@ -1,4 +1,4 @@
-"""Files made to do harm: bombs, false lengths, names that lead out of the folder, pickles. Each by a name that says what."""
+"""Files made to do harm: bombs, false lengths, names that lead out of the folder, pickles; each with a name."""
 
 import gzip
 import io
@@ -17,7 +17,7 @@ from mcap.writer import MCAP0_MAGIC
 from scipy.io import savemat
 
 CANARY = "unpickled"  # a file that appears if a pickle is loaded
-ZEROS = 2**30  # bytes of what bombs inflate to
+ZEROS = 2**29  # bytes of what bombs inflate to, twice what a small log may
 SPARSE = 2**34  # bytes of a file that is huge but takes no room
 
 

@@ -3,7 +3,6 @@
 import json
 import shutil
 import sys
-from collections.abc import Iterator
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -237,8 +236,3 @@ def place(whole: Path, folder: Path) -> Path:
     (inner / "link.xml").symlink_to(folder / "outside.xml")
     (inner / "film" / "link").symlink_to("/etc")
     return inner
-
-
-def targets(*files: str) -> Iterator[Target]:
-    """The targets of some files."""
-    return (target for target in TARGETS if not files or Path(target.file).name in files)

@@ -26,7 +26,7 @@ def robot_campaign(
     channels = load_channel_map(map_file)
     if model_file is None and not channels.model:
         raise InputError(f"{map_file} names no model; say which with --model")
-    path = model_file or inside(map_file.parent, channels.model, InputError)
+    path = model_file or inside(map_file.parent, channels.model, InputError, map_file)
     spec = load_model(path)
     if channels.window > MOST_STEPS * spec.option.timestep:
         raise InputError(f"{path}: {spec.option.timestep} s is too short a step for a window of {channels.window} s")

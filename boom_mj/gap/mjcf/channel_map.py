@@ -9,7 +9,7 @@ from typing import Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
 
-from boom_mj.errors import ChannelMapError
+from boom_mj.errors import ChannelMapError, shown
 from boom_mj.files import parse_toml, read_text
 from boom_mj.machine.fields import NonNegative, Positive
 
@@ -200,4 +200,4 @@ def _sentence(item: Any) -> str:
         kinds = ChannelEntry if place.startswith("channel.") else ChannelMap
         return f"{place} is an unknown key; known are {', '.join(kinds.model_fields)}"
     message = item["msg"].removeprefix("Value error, ")
-    return f"{place} = {item['input']!r}: {message}" if place and kind != "value_error" else message
+    return f"{place} = {shown(item['input'])}: {message}" if place and kind != "value_error" else message

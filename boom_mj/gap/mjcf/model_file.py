@@ -61,14 +61,18 @@ def _look_through(path: Path, folder: Path, seen: list[Path]) -> None:
         for key, name in element.attrib.items():
             if not key.startswith("file") or not name:
                 continue
-            file = inside(folder, str(Path(within, name)), InputError)
+            file = inside(folder, str(Path(within, name)), InputError, path)
             if element.tag in ("include", "model") and file not in seen:
                 if len(seen) == MOST_FILES:
                     raise InputError(f"{path} leads to more than {MOST_FILES} files")
                 seen.append(file)
+                if not file.is_file():
+                    raise InputError(f"{path} names {file}, but there is no such file")
                 _look_through(file, folder, seen)
             elif file.is_file() and _texels(file) > MOST_TEXELS:
-                raise InputError(f"{file} has {_texels(file)} pixels; up to {MOST_TEXELS} are loaded")
+                raise InputError(
+                    f"{path} names {file}, which has {_texels(file)} pixels; up to {MOST_TEXELS} are loaded"
+                )
 
 
 def _with_copies(root: ElementTree.Element) -> Iterator[tuple[ElementTree.Element, float]]:

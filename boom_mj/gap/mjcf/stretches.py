@@ -136,7 +136,7 @@ def _table(path: Path, channels: ChannelMap) -> dict[str, Array]:
     found: dict[str, Array] = {}
     for beside in {field.rpartition(":")[0] for field in fields}:
         mine = {field: field.rpartition(":")[2] for field in fields if field.rpartition(":")[0] == beside}
-        columns = read_columns(inside(path.parent, beside, ChannelMapError) if beside else path, mine.values())
+        columns = read_columns(inside(path.parent, beside, ChannelMapError, path) if beside else path, mine.values())
         found |= {field: columns[name] for field, name in mine.items()}
     return found
 

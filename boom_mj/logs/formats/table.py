@@ -6,7 +6,7 @@ A table is one topic, "table", whose times are those of its time column, if a to
 import csv
 import gzip
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
 from pathlib import Path
 from typing import IO
@@ -92,12 +92,15 @@ def _numbers(path: Path, rows: list[list[str]], names: list[str], comma: bool, d
     try:
         return np.array(rows, dtype=np.float64)
     except ValueError:
-        return np.array([[_number(cell) for cell in row] for row in rows])
+        return np.column_stack([numbers(column) for column in zip(*rows)])
 
 
-def _number(cell: str) -> float:
-    """Value of a cell; NaN for one that is empty or a text, which only counts if the column is asked for."""
-    return float(cell) if _is_number(cell) else np.nan
+def numbers(cells: Sequence[str]) -> Array:
+    """Values of a column; NaN where it is empty or a text, which only counts if the column is asked for."""
+    try:
+        return np.array(cells, dtype=np.float64)
+    except ValueError:
+        return np.array([float(cell) if _is_number(cell) else np.nan for cell in cells])
 
 
 def _is_number(cell: str) -> bool:
