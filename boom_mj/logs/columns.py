@@ -6,7 +6,6 @@ A field is a path: `qm`, `ScopeData.signals.values[2]`, `positions[0]`, and of b
 
 import json
 import re
-import struct
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -18,11 +17,10 @@ from boom_mj.logs.channel import Batch
 from boom_mj.logs.encodings import decoder_of
 from boom_mj.logs.formats import format_of, log_file
 from boom_mj.logs.formats.table import SUFFIXES, cells, lines, numbers
-from boom_mj.logs.inflating import Inflater
+from boom_mj.logs.matlab import read_matlab
 
 Array = np.ndarray
 FIELD = re.compile(r"^(?P<stem>.*?)(\[(?P<column>\d+)\])?$")
-MATLAB_HEAD, MATLAB_COMPRESSED = 128, 15  # bytes before the elements; type of an element
 RECORDED = "log_time"
 
 
@@ -37,7 +35,7 @@ def read_columns(path: Path, fields: Iterable[str]) -> dict[str, Array]:
         raise LogError(f"{path} cannot be read: there is no such file")
     name = path.name.lower()
     if name.endswith(".mat"):
-        table: Mapping[str, Any] = _matlab(path)
+        table: Mapping[str, Any] = read_matlab(path)
         return {field: _within(path, table, field) for field in fields}
     if name.endswith(SUFFIXES):
         table = _csv(path)
@@ -66,37 +64,6 @@ def _within(path: Path, table: Mapping[str, Any], field: str) -> Array:
     if numbers.ndim != 1:
         raise LogError(f"{path}: '{field}' is {numbers.shape}; name a column, such as '{stem}[0]'")
     return numbers
-
-
-def _matlab(path: Path) -> Mapping[str, Any]:
-    from scipy.io import loadmat
-
-    try:
-        _refuse_bomb(path)
-        found = loadmat(path, squeeze_me=True, struct_as_record=False)
-    except Exception as error:  # broken bytes raise whatever the parser stumbles over
-        raise LogError(f"{path} is no MATLAB file of version 4 to 7.2: {error}") from error
-    return {name: _tree(value) for name, value in found.items() if not name.startswith("__")}
-
-
-def _refuse_bomb(path: Path) -> None:
-    """Inflate the compressed elements of a file of version 5 to 7.2 within bounds; loadmat knows none."""
-    inflater = Inflater(path.stat().st_size)
-    with path.open("rb") as stream:
-        order = {b"IM": "<", b"MI": ">"}.get(stream.read(MATLAB_HEAD)[-2:])
-        while order and len(tag := stream.read(8)) == 8:
-            kind, size = struct.unpack(f"{order}II", tag)
-            if kind == MATLAB_COMPRESSED:
-                inflater.inflate(stream.read(size), "zlib")
-            else:
-                stream.seek(size, 1)
-
-
-def _tree(value: Any) -> Any:
-    """Structures of MATLAB as mappings."""
-    if hasattr(value, "_fieldnames"):
-        return {name: _tree(getattr(value, name)) for name in value._fieldnames}
-    return value
 
 
 def _csv(path: Path) -> Mapping[str, Any]:
