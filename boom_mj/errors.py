@@ -5,6 +5,8 @@ branches to its exit statuses: `InputError` (what was asked cannot be asked) to 
 """
 
 import reprlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 
@@ -85,3 +87,16 @@ def shown(value: Any) -> str:
     short = reprlib.Repr()
     short.maxlevel, short.maxstring, short.maxother, short.maxlist, short.maxtuple = 3, 100, 100, 10, 10
     return short.repr(value)
+
+
+@contextmanager
+def numbers_of(subject: str, refuse: type[BoomError]) -> Iterator[None]:
+    """What numerics make of numbers that pass one by one but not together is the fault of their owner.
+
+    Raises:
+        refuse: a matrix that is none, an overflow, a model that MuJoCo does not take; the owner is named.
+    """
+    try:
+        yield
+    except (ArithmeticError, ValueError) as error:
+        raise refuse(f"the numbers of {subject} do not go together: {error}") from error

@@ -125,7 +125,8 @@ def _refuse(dataset: Dataset, folder: Path) -> None:
         if not any(picture.camera == camera.name for picture in dataset.frames):
             raise DatasetError(f"{folder}: {camera.name} has no frames")
     if len(dataset.cameras) < 2:
-        raise TrackError(f"{folder}: positions need two cameras; it has {dataset.cameras[0].name} only")
+        there = ", ".join(camera.name for camera in dataset.cameras) or "none"
+        raise TrackError(f"{folder}: positions need two cameras; it has {there}")
     numbers = {plate.marker for plate in dataset.plates} - {0}
     if numbers != set(range(1, len(dataset.lateral) + 1)):
         raise DatasetError(f"{folder}: lateral holds {len(dataset.lateral)} markers, the plates {sorted(numbers)}")

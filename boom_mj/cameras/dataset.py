@@ -11,11 +11,11 @@ depth/, masks/   CAMERA/000000.png, on request: millimetres in 16 bits (0: farth
 import json
 import os
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import cv2
 import numpy as np
-from pydantic import Field, ValidationError
+from pydantic import Field, FiniteFloat, ValidationError
 
 from boom_mj.cameras import MOST_PIXELS
 from boom_mj.errors import DatasetError
@@ -24,14 +24,15 @@ from boom_mj.machine.fields import Frozen, Point3, Positive
 from boom_mj.machine.rig import Chequerboard
 
 DESCRIPTION = "dataset.json"
+Pixels = Annotated[int, Field(ge=1, le=2**15)]
 
 
 class CameraEntry(Frozen):
     """A camera: its name, and the size of its pictures in px."""
 
     name: str
-    width: int
-    height: int
+    width: Pixels
+    height: Pixels
 
 
 class PlateEntry(Frozen):
@@ -51,7 +52,7 @@ class PlateEntry(Frozen):
     size: tuple[Positive, Positive]
     marker: int = 0
     side: str = ""
-    offset: float = 0.0
+    offset: FiniteFloat = 0.0
     center: Point3 | None = None
     right: Point3 | None = None
     up: Point3 | None = None
@@ -62,7 +63,7 @@ class PictureEntry(Frozen):
 
     camera: str
     file: str
-    stamp: float = 0.0
+    stamp: FiniteFloat = 0.0
 
 
 class Dataset(Frozen):
@@ -79,7 +80,7 @@ class Dataset(Frozen):
     description: str = ""
     cameras: tuple[CameraEntry, ...]
     plates: tuple[PlateEntry, ...]
-    lateral: tuple[float, ...]
+    lateral: tuple[FiniteFloat, ...]
     chequerboard: Chequerboard
     calibration: tuple[PictureEntry, ...] = ()
     frames: tuple[PictureEntry, ...]
@@ -115,12 +116,13 @@ def read_picture(path: Path, flags: int = cv2.IMREAD_GRAYSCALE) -> np.ndarray:
     Raises:
         DatasetError: it is missing, no picture, or too large.
     """
+    content = read_bytes(path, DatasetError)
     try:
-        picture = cv2.imread(str(path), flags)
+        picture = cv2.imdecode(np.frombuffer(content, np.uint8), flags) if content else None
     except cv2.error as error:
         raise DatasetError(f"{path} is damaged, or has more than {MOST_PIXELS} pixels: {error.err}") from error
     if picture is None:
-        raise DatasetError(f"{path} is missing or no picture")
+        raise DatasetError(f"{path} is no picture")
     return np.asarray(picture)
 
 

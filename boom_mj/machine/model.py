@@ -13,7 +13,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, 
 
 from boom_mj.errors import MachineFileError, shown
 from boom_mj.files import parse_toml, read_text
-from boom_mj.machine.fields import Frozen, NonNegative, Pair, Point2, Positive
+from boom_mj.machine.fields import Frozen, NonNegative, Number, Pair, Point2, Positive
 from boom_mj.machine.rig import Camera, Targets
 
 
@@ -23,7 +23,7 @@ def _ordered(pair: tuple[float, float]) -> tuple[float, float]:
     return pair
 
 
-RangeDeg = Annotated[tuple[FiniteFloat, FiniteFloat], AfterValidator(_ordered)]
+RangeDeg = Annotated[tuple[Number, Number], AfterValidator(_ordered)]
 
 
 class Drive(Frozen):
@@ -57,16 +57,16 @@ class Link(Drive):
     name: str
     length: Positive
     mass: Positive
-    center_of_gravity: FiniteFloat
+    center_of_gravity: Number
     height: Pair
     width: Pair
     wall: Pair
     rotary_inertia: Pair
-    offset: FiniteFloat
+    offset: Number
     youngs_modulus_y: Positive
     youngs_modulus_z: Positive
     shear_modulus: Positive
-    support: FiniteFloat | None = None
+    support: Number | None = None
 
     @property
     def line_mass(self) -> tuple[float, float]:
@@ -110,7 +110,7 @@ class Damping(Frozen):
 
 class MassAt(Frozen):
     mass: NonNegative
-    x: FiniteFloat
+    x: Number
 
 
 class PointMasses(Frozen):
@@ -124,8 +124,8 @@ class PointMasses(Frozen):
 
 
 class Rod(Frozen):
-    x: FiniteFloat
-    y: FiniteFloat
+    x: Number
+    y: Number
 
 
 class _Bore(Frozen):
@@ -148,7 +148,7 @@ class Cylinder2(_Bore):
 
 class Lever(Frozen):
     length: Positive
-    angle_deg: FiniteFloat
+    angle_deg: Number
 
 
 class Cylinder3(_Bore):

@@ -16,12 +16,12 @@ from boom_mj.effects import LoadEffect
 from boom_mj.errors import InputError
 from boom_mj.machine import cylinder_forces
 from boom_mj.simulation.diverged import diverged
-from boom_mj.simulation.experiments import Experiment
+from boom_mj.simulation.experiments import LONGEST, Experiment
 from boom_mj.simulation.plant import JOINTS, Plant
 
 Array = np.ndarray
 ARMATURE = 1e11  # kg m^2, five orders above the boom's own inertia
-LONGEST = 7200.0  # s, some gigabytes of states
+MOST_STEPS = 2**21  # some gigabytes of states
 SERVO = 2 * np.pi * 2.0  # rad/s
 
 
@@ -93,9 +93,12 @@ def step_times(plant: Plant, duration: float) -> Array:
     Raises:
         InputError: it is longer than LONGEST.
     """
-    if duration > LONGEST:
-        raise InputError(f"{duration:.6g} s are too long for one simulation; up to {LONGEST:g} s are simulated")
     step = plant.model.opt.timestep
+    if duration > min(LONGEST, MOST_STEPS * step):
+        raise InputError(
+            f"{duration:.6g} s are too long for one simulation of {plant.machine.name}: up to {LONGEST:g} s and "
+            f"{MOST_STEPS} steps, here of {step:.3g} s, are simulated"
+        )
     return step * np.arange(int(np.ceil(duration / step - 1e-9)) + 1)
 
 

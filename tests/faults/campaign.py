@@ -124,7 +124,7 @@ class Campaign:
     def judge(self, target: Target, kind: str, label: str, done: Attempt, here: Path, before: set[str]) -> None:
         passed = bool(target.passed) and target.passed in done.told and "Traceback" not in done.told
         given = [Path(word) for word in (target.file, *target.arguments) if "." in word]
-        culprits = (*(path.name for path in given), Path(target.file).stem, "film", "ca5e")
+        culprits = (*(path.name for path in given), Path(target.file).stem, "film", "ca5e", "boom36")
         outcome = "accepted" if passed and done.status in (1, 2) else done.outcome(*culprits)
         half = half_written(here, before, done.status == 0)
         if any(here.rglob(hostile.CANARY)):
@@ -406,7 +406,9 @@ def half_written(here: Path, before: set[str], done: bool) -> list[str]:
     found = []
     for name in sorted(_files(here) - before):
         if name.endswith(".part") or (
-            not done and not name.startswith("out/") and Path(name).name not in ("seal.sha256", hostile.CANARY)
+            not done
+            and not name.startswith("out/")
+            and not name.endswith((".diverged.csv", "seal.sha256", hostile.CANARY))
         ):
             found.append(name)
         elif name.endswith(".mcap") and done:

@@ -283,7 +283,7 @@ def test_pictures_from_which_nothing_follows(tmp_path: Path) -> None:
     with pytest.raises(TrackError, match=r"left: its place needs .* found none"):
         place_camera("left", grey[:1], lens, catalogue, {entry.name: entry})
     (tmp_path / "torn.png").write_bytes(b"torn")
-    with pytest.raises(DatasetError, match=r"torn\.png is missing or no picture"):
+    with pytest.raises(DatasetError, match=r"torn\.png is no picture"):
         read_picture(tmp_path / "torn.png")
     board, frame = PictureEntry(camera="left", file="b.png"), PictureEntry(camera="left", file="f.png")
     alone = Dataset(
