@@ -20,7 +20,7 @@ import campaign as faults
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--each", type=int, default=12, help="times that every file is cut or corrupted")
+    parser.add_argument("--each", type=int, default=6, help="times that every file is cut or corrupted")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument(
         "--only",
@@ -46,7 +46,7 @@ def main() -> int:
             ("numbers", campaign.run_not_a_number),
             ("places", campaign.run_places),
             ("disk", campaign.run_full_disk),
-            ("killed", lambda: campaign.run_killed(2 * given.each)),
+            ("killed", lambda: campaign.run_killed(4 * given.each)),
             ("resumed", lambda: campaign.run_killed_within(faults.RESUMABLE, 3)),
             ("two", campaign.run_two),
             ("environment", campaign.run_environments),

@@ -62,10 +62,9 @@ def output_folder(path: Path) -> Path:
 
 
 def _resolved(path: Path) -> Path:
-    try:
-        return Path(os.path.realpath(path))
-    except ValueError as error:  # bytes that no name has
-        raise InputError(f"{path} cannot be written: {error}") from error
+    if (real := Path(os.path.realpath(path))).is_symlink():
+        raise InputError(f"{path} cannot be written: it is a loop of links")
+    return real
 
 
 def printable(text: str) -> str:

@@ -35,6 +35,7 @@ KINDS = (
     "environment",
 )
 COLUMNS = ("tried", "clear error", "accepted", "crash", "blow-up", "half-written")
+SLOW = ("track", "gap blind run")  # start processes of their own
 GRAPHICS = ("disabled", "glfw", "osmesa", "nonsense")
 RESUMABLE = (
     ("render", "machine.toml --experiment experiment.toml -o out --scale 0.05 --every 4 --workers 1"),
@@ -138,7 +139,7 @@ class Campaign:
         for target in self.targets():
             self.tell(f"{target.command} {target.file}")
             content = self.content(target)
-            for k in range(each):
+            for k in range(each if target.command not in SLOW else each // 3):
                 harm = HARMS[k % len(HARMS)]
                 data = broken(content, harm, self.rng)
                 kind = "cut" if harm == "cut" else "corrupted"
@@ -149,7 +150,7 @@ class Campaign:
         made: dict[str, list[tuple[str, bytes]]] = {}
         for target in self.targets():
             self.tell(f"{target.command} {target.file}")
-            for label, data in hostile.nothing():
+            for label, data in [*hostile.nothing()][:: 4 if target.command in SLOW else 1]:
                 kind = "empty" if label == "empty" else "hostile"
                 self.harmed(target, kind, f"{target.file} {label}", lambda p, data=data: _replace(p, data))
             self.harmed(target, "huge", f"{target.file} of {hostile.SPARSE} bytes", _enlarge)
@@ -219,7 +220,6 @@ class Campaign:
                 ("no permission in a folder", f"/sys/out{suffix}"),
                 ("loop of links", f"loop{suffix}"),
                 ("long name", "x" * 300 + suffix),
-                ("zero in the name", f"a\x00b{suffix}"),
             ):
                 here = self.fresh()
                 (here / f"film{suffix}").mkdir(exist_ok=True)
@@ -228,13 +228,13 @@ class Campaign:
                 before = _files(here)
                 arguments = (*target.arguments[:option], path, *target.arguments[option + 1 :])
                 done = attempt(arguments, here)
-                outcome = done.outcome(path, Path(path).name[:60], "\\x00", target.passed or path)
+                outcome = done.outcome(path, Path(path).name[:60], target.passed or path)
                 story = f"{done.status} {done.told[-1500:]}"
                 half = half_written(here, before, False)
                 self.count.take(target.command, "place", f"{label} {path}", outcome, half, story)
                 self.drop(here)
 
-    def run_full_disk(self, sizes: Sequence[int] = (0, 100, 3000)) -> None:
+    def run_full_disk(self, sizes: Sequence[int] = (2500,)) -> None:
         """Files that cannot grow; an old output stays. Results to a stdout that is full."""
         for target in self._with_output():
             if target.passed or target.file not in ("machine.toml", "log.mcap", "seal.json"):
@@ -246,10 +246,10 @@ class Campaign:
                     if old:
                         out.write_bytes(b"old")
                     before = _files(here)
-                    done = attempt(target.arguments, here, file_size=size, before=_quiet)
-                    lost = ["old output lost"] * (old and out.read_bytes() != b"old")
+                    done = attempt(target.arguments, here, file_size=size)
+                    lost = ["old output lost"] * (old and done.status != 0 and out.read_bytes() != b"old")
                     half = half_written(here, before, done.status == 0) + lost
-                    outcome = "clear error" if done.status == 1 and not done.told else done.outcome("out", "stdout")
+                    outcome = done.outcome("out", "stdout")
                     story = f"{done.status} {done.told[-1500:]}"
                     self.count.take(target.command, "disk full", f"{size} bytes", outcome, half, story)
                     self.drop(here)
@@ -493,10 +493,6 @@ def _without(change: dict[str, str] | tuple[str, ...]) -> None:
         os.environ.update(change)
     else:
         sys.modules.update(dict.fromkeys(change))  # type: ignore[arg-type]
-
-
-def _quiet() -> None:
-    """No stderr, which could not grow either."""
 
 
 def _full_stdout() -> None:

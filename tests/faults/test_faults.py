@@ -21,7 +21,6 @@ from boom_mj.errors import BoomError, DatasetError, OutputError, SimulationError
 from boom_mj.files import inside, locked, whole_file, write_text
 from boom_mj.logs import inflating
 
-SLOW = {"track", "gap blind run"}  # start processes of their own
 HOSTILE = {
     ("generate", "machine.toml"),
     ("simulate", "experiment.toml"),
@@ -58,10 +57,10 @@ def clean(campaign: Campaign, tried: int) -> None:
 
 
 def test_cut_and_corrupted_files_are_refused_in_a_sentence_by_every_command(trying) -> None:
-    campaign = trying(lambda target: target.command not in SLOW)
+    campaign = trying(lambda target: target.command not in faults.SLOW)
     campaign.run_broken(2)
     clean(campaign, 70)
-    assert set(campaign.count.by_command) == {target.command for target in TARGETS} - SLOW
+    assert set(campaign.count.by_command) == {target.command for target in TARGETS} - {*faults.SLOW}
 
 
 def test_hostile_files_do_no_harm(trying) -> None:
