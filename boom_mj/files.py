@@ -17,6 +17,7 @@ from typing import IO, Any
 from boom_mj.errors import BoomError, OutputError, shown
 
 LONGEST, LONGEST_DATA = 2**20, 2**30  # bytes of a text by hand; of a file that is read at once
+PNG, PNG_HEAD = b"\x89PNG\r\n\x1a\n", 24
 DEVICES = Path("/dev")
 
 
@@ -66,6 +67,12 @@ def read_json(path: Path | str, refuse: type[BoomError]) -> Any:
         return json.loads(read_bytes(path, refuse))
     except (ValueError, RecursionError) as error:
         raise refuse(f"{path}: not a JSON file: {error}") from error
+
+
+def png_pixels(content: bytes) -> int:
+    """Pixels of a PNG file, by its first PNG_HEAD bytes; 0 of any other."""
+    width, height = (int.from_bytes(content[k : k + 4]) for k in (16, 20))
+    return width * height if content.startswith(PNG) else 0
 
 
 def inside(folder: Path, name: str, refuse: type[BoomError], source: Path) -> Path:

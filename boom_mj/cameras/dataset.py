@@ -17,13 +17,13 @@ import cv2
 import numpy as np
 from pydantic import Field, FiniteFloat, ValidationError
 
-from boom_mj.cameras import MOST_PIXELS
 from boom_mj.errors import DatasetError
-from boom_mj.files import inside, read_bytes, write_bytes
+from boom_mj.files import inside, png_pixels, read_bytes, write_bytes
 from boom_mj.machine.fields import Frozen, Point3, Positive
 from boom_mj.machine.rig import Chequerboard
 
 DESCRIPTION = "dataset.json"
+MOST_PIXELS = 2**28  # as many as the largest camera has
 Pixels = Annotated[int, Field(ge=1, le=2**15)]
 
 
@@ -117,10 +117,12 @@ def read_picture(path: Path, flags: int = cv2.IMREAD_GRAYSCALE) -> np.ndarray:
         DatasetError: it is missing, no picture, or too large.
     """
     content = read_bytes(path, DatasetError)
+    if (pixels := png_pixels(content)) > MOST_PIXELS:
+        raise DatasetError(f"{path} has {pixels} pixels; up to {MOST_PIXELS} are read")
     try:
         picture = cv2.imdecode(np.frombuffer(content, np.uint8), flags) if content else None
     except cv2.error as error:
-        raise DatasetError(f"{path} is damaged, or has more than {MOST_PIXELS} pixels: {error.err}") from error
+        raise DatasetError(f"{path} is damaged: {error.err}") from error
     if picture is None:
         raise DatasetError(f"{path} is no picture")
     return np.asarray(picture)

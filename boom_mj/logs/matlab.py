@@ -5,6 +5,7 @@ import struct
 import subprocess
 import sys
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -53,6 +54,11 @@ def _look_through(path: Path) -> None:
                 inflater.inflate(stream.read(size), "zlib")
             else:
                 stream.seek(size, 1)
-    tried = subprocess.run([sys.executable, "-I", "-c", TRY, str(path)], capture_output=True, check=False)
-    if tried.returncode < 0:
-        raise ValueError(f"reading it ends in {signal.Signals(-tried.returncode).name}")
+    if (end := _tried(path.resolve(), path.stat().st_mtime_ns)) < 0:
+        raise ValueError(f"reading it ends in {signal.Signals(-end).name}")
+
+
+@cache
+def _tried(path: Path, changed: int) -> int:
+    """How a process ends that reads a file; once for as long as it does not change."""
+    return subprocess.run([sys.executable, "-I", "-c", TRY, str(path)], capture_output=True, check=False).returncode

@@ -11,14 +11,13 @@ from xml.etree import ElementTree
 import mujoco
 
 from boom_mj.errors import InputError
-from boom_mj.files import inside, read_text
+from boom_mj.files import PNG_HEAD, inside, png_pixels, read_text
 
 LONGEST = 2**24  # bytes of an MJCF file
 MOST_FILES, MOST_ELEMENTS, MOST_TEXELS, MOST_FREEDOM = 100, 100_000, 2**26, 2000
 COUNTS = ("count",)  # of replicate, flexcomp and the like: copies of what is within
 SIZES = (("width", "height"), ("nrow", "ncol"), ("nsample",), ("nuserdata",))
 FOLDERS = {"mesh": "meshdir", "hfield": "meshdir", "skin": "meshdir", "texture": "texturedir"}
-PNG = b"\x89PNG\r\n\x1a\n"
 
 
 def load_model(path: Path) -> mujoco.MjSpec:
@@ -93,8 +92,6 @@ def _number(text: str) -> float:
         return 1.0
 
 
-def _texels(path: Path) -> int:
-    """Pixels of a PNG file, by its head; 0 for any other."""
+def _head(path: Path) -> bytes:
     with path.open("rb") as stream:
-        head = stream.read(24)
-    return int.from_bytes(head[16:20]) * int.from_bytes(head[20:24]) if head.startswith(PNG) else 0
+        return stream.read(PNG_HEAD)
