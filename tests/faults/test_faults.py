@@ -28,7 +28,6 @@ HOSTILE = {
     ("logs inspect", "log.csv.gz"),
     ("gap diagnose", "robot.mat"),
     ("gap diagnose", "model.xml"),
-    ("gap diagnose", "robot.toml"),
     ("gap blind score", "seal.json"),
     ("gap blind score", "answers/ca5e.json"),
 }
@@ -85,7 +84,7 @@ def test_places_that_cannot_be_written(trying) -> None:
 def test_full_disks_lose_no_old_file(trying) -> None:
     campaign = trying(lambda target: target.command in ("simulate", "generate"))
     campaign.run_full_disk()
-    clean(campaign, 14)
+    clean(campaign, 8)
 
 
 def test_killed_at_any_moment(trying) -> None:

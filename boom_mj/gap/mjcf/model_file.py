@@ -68,10 +68,8 @@ def _look_through(path: Path, folder: Path, seen: list[Path]) -> None:
                 if not file.is_file():
                     raise InputError(f"{path} names {file}, but there is no such file")
                 _look_through(file, folder, seen)
-            elif file.is_file() and _texels(file) > MOST_TEXELS:
-                raise InputError(
-                    f"{path} names {file}, which has {_texels(file)} pixels; up to {MOST_TEXELS} are loaded"
-                )
+            elif file.is_file() and (texels := png_pixels(_head(file))) > MOST_TEXELS:
+                raise InputError(f"{path} names {file}, which has {texels} pixels; up to {MOST_TEXELS} are loaded")
 
 
 def _with_copies(root: ElementTree.Element) -> Iterator[tuple[ElementTree.Element, float]]:
