@@ -150,7 +150,7 @@ def tomls(whole: str) -> Iterator[tuple[str, bytes]]:
     yield "deep tables", b".".join([b"a"] * 20_000) + b" = 1\n"
     yield "huge number", b"a = " + b"9" * 100_000 + b"\n"
     yield "two megabytes", b"# " + b"x" * 2_000_000 + b"\n"
-    yield "100 000 unknown keys", b"".join(b"k%d = 1\n" % k for k in range(70_000))
+    yield "5000 unknown keys", b"".join(b"k%d = 1\n" % k for k in range(5000))
     yield "unknown key of a megabyte", b"k" * 900_000 + b' = "v"\n'
     yield "not UTF-8", whole.encode() + b"# \xff\n"
     yield "control characters", whole.encode() + b'"\\u001b[2J" = "\\u0007"\n'
