@@ -1,5 +1,7 @@
 """Flexible large manipulators in MuJoCo: machine files, models, simulation, replay of logs, diagnosis of the gap."""
 
+import boom_mj.engine  # noqa: F401  # isort: skip
+
 from boom_mj.api import Answer, Cause, Estimate, diagnose
 from boom_mj.effects import make_effect, parse_effect
 from boom_mj.errors import BoomError

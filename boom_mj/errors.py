@@ -4,6 +4,11 @@ Every message is one sentence that names the culprit and the valid choices. The 
 branches to its exit statuses: `InputError` (what was asked cannot be asked) to 2, every other `BoomError` to 1.
 """
 
+import reprlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
 
 class BoomError(Exception):
     """The work failed; the message says on what."""
@@ -49,12 +54,24 @@ class EquilibriumError(BoomError):
     """No static equilibrium was found; the residual and the pose are named."""
 
 
+class OutputError(BoomError):
+    """A file or folder cannot be written: which, and why; an old file is untouched then."""
+
+
 class SimulationError(BoomError):
-    """A simulation left the numbers: when, and which coordinate."""
+    """A simulation left the numbers: when, and which coordinate.
+
+    Attributes:
+        states: the last states before it, a `simulation.LastStates`; None where there are none.
+    """
+
+    def __init__(self, message: str, states: Any = None) -> None:
+        super().__init__(message)
+        self.states = states
 
 
 class RenderError(BoomError):
-    """Pictures cannot be made or written: no OpenGL, a full disk, a worker that died."""
+    """Pictures cannot be made: no OpenGL, no such kind of picture."""
 
 
 class DatasetError(InputError):
@@ -63,3 +80,23 @@ class DatasetError(InputError):
 
 class TrackError(BoomError):
     """Pictures from which no positions follow: which camera, and what was missing."""
+
+
+def shown(value: Any) -> str:
+    """A bad value as a message shows it: however long or deep it is, on less than a line."""
+    short = reprlib.Repr()
+    short.maxlevel, short.maxstring, short.maxother, short.maxlist, short.maxtuple = 3, 100, 100, 10, 10
+    return short.repr(value)
+
+
+@contextmanager
+def numbers_of(subject: str, refuse: type[BoomError]) -> Iterator[None]:
+    """What numerics make of numbers that pass one by one but not together is the fault of their owner.
+
+    Raises:
+        refuse: a matrix that is none, an overflow, a model that MuJoCo does not take; the owner is named.
+    """
+    try:
+        yield
+    except (ArithmeticError, ValueError) as error:
+        raise refuse(f"the numbers of {subject} do not go together: {error}") from error

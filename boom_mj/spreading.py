@@ -8,10 +8,7 @@ time, and its linear algebra one thread, so that results do not depend on where 
 
 import logging
 import multiprocessing
-import os
 import pickle
-import signal
-import threading
 import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator
@@ -28,6 +25,7 @@ from typing import Any, Generic, TypeVar, cast
 from threadpoolctl import threadpool_limits
 
 from boom_mj.errors import InputError, WorkerError
+from boom_mj.workers import begin_worker
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -119,6 +117,10 @@ def _in_processes(work: Callable[[Item], Result], items: Iterable[Item], jobs: i
             else:
                 pool.shutdown(wait=False)
             yield done
+    except BaseException:
+        for child in multiprocessing.active_children():
+            child.terminate()
+        raise
     finally:
         for future, (_, _, pool) in running.items():
             future.cancel()
@@ -229,18 +231,10 @@ _work: list[Any] = []  # of this process: packed, and from its first item on unp
 
 def _prepare(packed: bytes) -> None:
     _work.append(packed)
-    signal.signal(signal.SIGINT, lambda *_: os._exit(1))  # interrupted along with its parent, which tells
-    threading.Thread(target=_leave_with_parent, daemon=True).start()
+    begin_worker()
 
 
 def _do(item: Any) -> Any:
     if isinstance(_work[0], bytes):
         _work[0] = pickle.loads(_work[0])
     return _call(_work[0], item)
-
-
-def _leave_with_parent() -> None:
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)

@@ -23,7 +23,8 @@ import numpy as np
 
 from boom_mj.effects import Effect, parse_effect
 from boom_mj.errors import EquilibriumError, InputError, SimulationError
-from boom_mj.logs import whole_file, write_mcap
+from boom_mj.files import locked, read_json, write_text
+from boom_mj.logs import write_mcap
 from boom_mj.machine import Machine, with_values
 from boom_mj.sensors import boom_scene, record
 from boom_mj.simulation import Experiment, Trajectory, make_plant, run_experiment
@@ -179,23 +180,25 @@ def run_sweep(
 
     Raises:
         InputError: ranges that cannot be, or a folder that holds something else.
+        OutputError: another process fills the folder, or it cannot be written.
     """
     sweep.check()
-    _claim(folder, sweep.document())
-    waiting = [point for point in sweep.points() if not _row(folder, point).exists()]
-    done = len(sweep) - len(waiting)
-    yield done, None
-    for ended in spread(partial(simulate_point, sweep=sweep, folder=folder.resolve()), waiting, jobs, cluster):
-        if ended.error is None:
-            _write(_row(folder, ended.item), json.dumps(ended.result(), indent=1) + "\n")
-        done += 1
-        yield done, ended.error
-    _write(folder / "table.csv", _table(read_rows(folder)))
+    with locked(folder):
+        _claim(folder, sweep.document())
+        waiting = [point for point in sweep.points() if not _row(folder, point).exists()]
+        done = len(sweep) - len(waiting)
+        yield done, None
+        for ended in spread(partial(simulate_point, sweep=sweep, folder=folder.resolve()), waiting, jobs, cluster):
+            if ended.error is None:
+                write_text(_row(folder, ended.item), json.dumps(ended.result(), indent=1) + "\n")
+            done += 1
+            yield done, ended.error
+        write_text(folder / "table.csv", _table(read_rows(folder)))
 
 
 def read_rows(folder: Path) -> list[dict[str, Any]]:
     """Rows of the points that are done, in order: number, values, recording and figures, or the error."""
-    rows = [json.loads(path.read_text()) for path in folder.glob("[0-9]*.json")]
+    rows = [read_json(path, InputError) for path in folder.glob("[0-9]*.json")]
     return sorted(rows, key=itemgetter("point"))
 
 
@@ -244,25 +247,14 @@ def _table(rows: Sequence[dict[str, Any]]) -> str:
 def _claim(folder: Path, wanted: dict[str, Any]) -> None:
     """Make a folder the sweep's own, or find it begun."""
     path = folder / "sweep.json"
-    if folder.is_dir() and any(folder.iterdir()):
-        try:
-            there = json.loads(path.read_text())
-        except (OSError, ValueError) as error:
-            raise InputError(f"{folder} holds something that is no sweep: choose an empty or a new folder") from error
-        if there != wanted:
-            differs = [key for key in wanted if not isinstance(there, dict) or there.get(key) != wanted[key]]
-            raise InputError(
-                f"{folder} holds another sweep (it differs in {', '.join(differs)}): give the same arguments to finish "
-                "it, or another folder"
-            )
+    if not any(folder.iterdir()):
+        write_text(path, json.dumps(wanted, indent=1) + "\n")
         return
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{folder} cannot be made: {error.strerror or error}") from error
-    _write(path, json.dumps(wanted, indent=1) + "\n")
-
-
-def _write(path: Path, text: str) -> None:
-    with whole_file(path) as stream:
-        stream.write(text.encode())
+    if not path.is_file():
+        raise InputError(f"{folder} holds something that is no sweep: choose an empty or a new folder")
+    if (there := read_json(path, InputError)) != wanted:
+        differs = [key for key in wanted if not isinstance(there, dict) or there.get(key) != wanted[key]]
+        raise InputError(
+            f"{folder} holds another sweep (it differs in {', '.join(differs)}): give the same arguments to finish "
+            "it, or another folder"
+        )

@@ -22,7 +22,8 @@ import numpy as np
 from boom_mj.calibration import calibrate, document
 from boom_mj.calibration.experiments import PAPER
 from boom_mj.calibration.parameters import STIFFNESS, Setting, Space, make_space
-from boom_mj.logs import read_mcap, whole_file, write_mcap
+from boom_mj.files import write_text
+from boom_mj.logs import read_mcap, write_mcap
 from boom_mj.machine import load_machine
 from boom_mj.recording import Recording
 from boom_mj.sensors import record
@@ -119,8 +120,7 @@ def one(order: Order) -> None:
         for name, x, y, s in zip(space.names, coordinates, found.coordinates, found.deviation)
     ]
     result = {"coordinates": rows, "wall_s": found.duration, "tracked": list(order.tracked), "answer": answer}
-    with whole_file(order.file) as stream:
-        stream.write(json.dumps(result, indent=1).encode())
+    write_text(order.file, json.dumps(result, indent=1))
 
 
 def table(folder: Path) -> str:
@@ -179,8 +179,7 @@ def main() -> None:
         print(f"{done} of {len(missing)}, about {left / 60:.0f} min left", file=sys.stderr, flush=True)
     text = table(given.folder)
     if given.table:
-        with whole_file(given.table) as stream:
-            stream.write(f"{text}\n".encode())
+        write_text(given.table, f"{text}\n")
     print(text)
 
 

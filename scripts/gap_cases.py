@@ -11,8 +11,9 @@ import time
 from pathlib import Path
 
 from boom_mj.cli.arguments import find_machine
+from boom_mj.files import write_text
 from boom_mj.gap import Campaign, diagnose, document
-from boom_mj.logs import read_log, whole_file
+from boom_mj.logs import read_log
 
 
 def answer_of(case: Path) -> dict:
@@ -52,8 +53,7 @@ def main() -> None:
         if not kept.exists():
             print(case.name, flush=True)
             answer = answer_of(case)
-            with whole_file(kept) as stream:
-                stream.write(json.dumps(answer, indent=1).encode())
+            write_text(kept, json.dumps(answer, indent=1))
         answers[case.name] = json.loads(kept.read_text())
         print(case.name, answers[case.name]["sentence"], flush=True)
     head = "| case | truth | verdict | answer | gap held out | closure | ties | s |"
@@ -70,13 +70,11 @@ def main() -> None:
             f"{gaps['before']:.2f} -> {gaps['after']:.2f} | {closed['closure']:.3f} [{low:.3f}, {high:.3f}] | {ties} | "
             f"{answer['wall_s']:.0f} |"
         )
-    with whole_file(given.o) as stream:
-        stream.write(("\n".join(rows) + "\n").encode())
+    write_text(given.o, "\n".join(rows) + "\n")
     if given.answers:
         kept_keys = ("verdict", "sentence", "effects", "ties", "unexplained", "next_experiment")
         short = {n: {**{k: a[k] for k in kept_keys}, "closure": a["gap"]["closure"]} for n, a in answers.items()}
-        with whole_file(given.answers) as stream:
-            stream.write((json.dumps(short, indent=1) + "\n").encode())
+        write_text(given.answers, json.dumps(short, indent=1) + "\n")
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ from calibration import HINGES, NOMINAL, Order, draw, recordings
 
 from boom_mj.calibration import calibrate, document, validate, validation_document
 from boom_mj.calibration.parameters import make_space
-from boom_mj.logs import whole_file
+from boom_mj.files import write_text
 from boom_mj.report import write_calibration
 from boom_mj.sensors import record
 from boom_mj.simulation import CATALOGUE, make_plant, run_experiment
@@ -48,8 +48,7 @@ def main() -> None:
     write_calibration(shown, names, given.page)
     if given.json:
         answer = {**document(found, names), "validation": validation_document(shown)}
-        with whole_file(given.json) as stream:
-            stream.write(json.dumps(answer, indent=1).encode())
+        write_text(given.json, json.dumps(answer, indent=1))
     tell(f"wrote {given.page}")
 
 

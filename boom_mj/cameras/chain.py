@@ -1,23 +1,21 @@
 """The measurement chain of the paper, from a folder of pictures to marker positions."""
 
-import multiprocessing
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from boom_mj.cameras.align import Pattern
 from boom_mj.cameras.backproject import Positions, back_project, right_hand
 from boom_mj.cameras.calibrate import LensFit, PlacedCamera, calibrate_lens, place_camera
-from boom_mj.cameras.dataset import Dataset, PlateEntry, read_dataset
+from boom_mj.cameras.dataset import Dataset, PlateEntry, read_dataset, read_picture
 from boom_mj.cameras.follow import Track, follow, refine
 from boom_mj.cameras.recognise import Catalogue, catalogue_of
 from boom_mj.errors import DatasetError, TrackError
 from boom_mj.recording import Recording, named_signal
+from boom_mj.workers import worker_pool
 
 Array = np.ndarray
 FOR_PLACE = 5  # pictures from which a camera's place is taken
@@ -65,7 +63,7 @@ class _Camera:
     def pictures(self, rows: Array | None = None) -> Iterator[Array]:
         files = [frame.file for frame in self.frames]
         for row in range(len(files)) if rows is None else rows:
-            yield read_grey(self.folder / files[row])
+            yield self.read(files[row])
 
     @property
     def frames(self) -> list:
@@ -77,7 +75,18 @@ class _Camera:
 
     def catalogue(self, markers: bool) -> Catalogue:
         plates = [p for p in self.dataset.plates if bool(p.marker) == markers]
-        return catalogue_of([Pattern(p.name, read_grey(self.folder / p.picture), p.size) for p in plates])
+        return catalogue_of([Pattern(p.name, read_picture(self.folder / p.picture), p.size) for p in plates])
+
+    def read(self, file: str) -> Array:
+        """A picture of this camera, (h, w) uint8."""
+        camera = next(camera for camera in self.dataset.cameras if camera.name == self.name)
+        picture = read_picture(self.folder / file)
+        if picture.shape != (camera.height, camera.width):
+            raise DatasetError(
+                f"{self.folder / file} is {picture.shape[1]} x {picture.shape[0]} px; "
+                f"pictures of {self.name} are {camera.width} x {camera.height}"
+            )
+        return picture
 
 
 def track(folder: Path, workers: int = 1, say: Say = lambda text: None) -> Tracking:
@@ -91,7 +100,7 @@ def track(folder: Path, workers: int = 1, say: Say = lambda text: None) -> Track
     _refuse(dataset, folder)
     jobs = [_Camera(folder, dataset, camera.name) for camera in dataset.cameras]
     names = [job.name for job in jobs]
-    with ProcessPoolExecutor(min(workers, len(jobs)), multiprocessing.get_context("spawn")) as pool:
+    with worker_pool(min(workers, len(jobs))) as pool:
         lenses = dict(zip(names, pool.map(_lens, jobs)))
         say("lenses  " + ", ".join(f"{n} {fit.rms:.3f} px" for n, fit in lenses.items()))
         places = dict(zip(names, pool.map(_place, jobs, [lenses[n] for n in names])))
@@ -105,18 +114,6 @@ def track(folder: Path, workers: int = 1, say: Say = lambda text: None) -> Track
     return Tracking(dataset, lenses, places, tracks, time, _positions(dataset, places, tracks, time))
 
 
-def read_grey(path: Path) -> Array:
-    """A picture as grey levels, (h, w) uint8.
-
-    Raises:
-        DatasetError: it is missing or no picture.
-    """
-    picture = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
-    if picture is None:
-        raise DatasetError(f"{path} is missing or no picture")
-    return picture
-
-
 def _refuse(dataset: Dataset, folder: Path) -> None:
     if not dataset.still:
         raise DatasetError(
@@ -128,7 +125,8 @@ def _refuse(dataset: Dataset, folder: Path) -> None:
         if not any(picture.camera == camera.name for picture in dataset.frames):
             raise DatasetError(f"{folder}: {camera.name} has no frames")
     if len(dataset.cameras) < 2:
-        raise TrackError(f"{folder}: positions need two cameras; it has {dataset.cameras[0].name} only")
+        there = ", ".join(camera.name for camera in dataset.cameras) or "none"
+        raise TrackError(f"{folder}: positions need two cameras; it has {there}")
     numbers = {plate.marker for plate in dataset.plates} - {0}
     if numbers != set(range(1, len(dataset.lateral) + 1)):
         raise DatasetError(f"{folder}: lateral holds {len(dataset.lateral)} markers, the plates {sorted(numbers)}")
@@ -136,7 +134,7 @@ def _refuse(dataset: Dataset, folder: Path) -> None:
 
 def _lens(job: _Camera) -> LensFit:
     files = [picture.file for picture in job.dataset.calibration if picture.camera == job.name]
-    pictures = [read_grey(job.folder / file) for file in files]
+    pictures = [job.read(file) for file in files]
     return calibrate_lens(job.name, pictures, job.dataset.chequerboard)
 
 

@@ -11,24 +11,28 @@ depth/, masks/   CAMERA/000000.png, on request: millimetres in 16 bits (0: farth
 import json
 import os
 from pathlib import Path
-from typing import Any
-from uuid import uuid4
+from typing import Annotated, Any
 
-from pydantic import Field, ValidationError
+import cv2
+import numpy as np
+from pydantic import Field, FiniteFloat, ValidationError
 
-from boom_mj.errors import DatasetError, RenderError
+from boom_mj.errors import DatasetError
+from boom_mj.files import inside, png_pixels, read_bytes, write_bytes
 from boom_mj.machine.fields import Frozen, Point3, Positive
 from boom_mj.machine.rig import Chequerboard
 
 DESCRIPTION = "dataset.json"
+MOST_PIXELS = 2**28  # as many as the largest camera has
+Pixels = Annotated[int, Field(ge=1, le=2**15)]
 
 
 class CameraEntry(Frozen):
     """A camera: its name, and the size of its pictures in px."""
 
     name: str
-    width: int
-    height: int
+    width: Pixels
+    height: Pixels
 
 
 class PlateEntry(Frozen):
@@ -48,7 +52,7 @@ class PlateEntry(Frozen):
     size: tuple[Positive, Positive]
     marker: int = 0
     side: str = ""
-    offset: float = 0.0
+    offset: FiniteFloat = 0.0
     center: Point3 | None = None
     right: Point3 | None = None
     up: Point3 | None = None
@@ -59,7 +63,7 @@ class PictureEntry(Frozen):
 
     camera: str
     file: str
-    stamp: float = 0.0
+    stamp: FiniteFloat = 0.0
 
 
 class Dataset(Frozen):
@@ -76,7 +80,7 @@ class Dataset(Frozen):
     description: str = ""
     cameras: tuple[CameraEntry, ...]
     plates: tuple[PlateEntry, ...]
-    lateral: tuple[float, ...]
+    lateral: tuple[FiniteFloat, ...]
     chequerboard: Chequerboard
     calibration: tuple[PictureEntry, ...] = ()
     frames: tuple[PictureEntry, ...]
@@ -91,16 +95,37 @@ def read_dataset(folder: Path) -> Dataset:
         DatasetError: there is none, or it is none.
     """
     path = folder / DESCRIPTION
+    if not path.is_file():
+        raise DatasetError(f"{folder} is no folder of pictures: it needs a {DESCRIPTION}")
+    content = read_bytes(path, DatasetError)
     try:
-        return Dataset.model_validate_json(path.read_bytes())
-    except OSError as error:
-        raise DatasetError(
-            f"{folder} is no folder of pictures: it needs a {DESCRIPTION} ({error.strerror or error})"
-        ) from error
+        dataset = Dataset.model_validate_json(content)
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(str(part) for part in first["loc"])
         raise DatasetError(f"{path}: {place or 'the file'}: {first['msg'][0].lower()}{first['msg'][1:]}") from error
+    named = {p.file for p in (*dataset.calibration, *dataset.frames)} | {plate.picture for plate in dataset.plates}
+    for place in sorted({os.path.dirname(file) for file in named}):
+        inside(folder, place, DatasetError, path)
+    return dataset
+
+
+def read_picture(path: Path, flags: int = cv2.IMREAD_GRAYSCALE) -> np.ndarray:
+    """A picture, (h, w) uint8 unless OpenCV's flags say otherwise; of at most MOST_PIXELS.
+
+    Raises:
+        DatasetError: it is missing, no picture, or too large.
+    """
+    content = read_bytes(path, DatasetError)
+    if (pixels := png_pixels(content)) > MOST_PIXELS:
+        raise DatasetError(f"{path} has {pixels} pixels; up to {MOST_PIXELS} are read")
+    try:
+        picture = cv2.imdecode(np.frombuffer(content, np.uint8), flags) if content else None
+    except cv2.error as error:
+        raise DatasetError(f"{path} is damaged: {error.err}") from error
+    if picture is None:
+        raise DatasetError(f"{path} is no picture")
+    return np.asarray(picture)
 
 
 def claim_folder(folder: Path, dataset: Dataset) -> None:
@@ -109,8 +134,6 @@ def claim_folder(folder: Path, dataset: Dataset) -> None:
     Raises:
         DatasetError: it holds something else; nothing is touched then.
     """
-    if folder.exists() and not folder.is_dir():
-        raise DatasetError(f"{folder} is a file; a data set needs a folder")
     if (folder / DESCRIPTION).is_file():
         there, wanted = read_dataset(folder).model_dump(mode="json"), dataset.model_dump(mode="json")
         if there != wanted:
@@ -127,33 +150,7 @@ def claim_folder(folder: Path, dataset: Dataset) -> None:
     write_json(folder / DESCRIPTION, dataset.model_dump(mode="json"), indent=1)
 
 
-def write_bytes(path: Path, content: bytes) -> None:
-    """Write a file whole or not at all; its folder is made.
-
-    Raises:
-        RenderError: the disk is full, or the place cannot be written.
-    """
-    part = path.with_name(f".{path.name}.{uuid4().hex}.part")  # process numbers repeat between machines
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            part.write_bytes(content)
-            os.replace(part, path)
-        finally:
-            part.unlink(missing_ok=True)
-    except OSError as error:
-        raise RenderError(
-            f"{path} cannot be written: {error.strerror or error}; what is done stays, and the same call finishes it"
-        ) from error
-
-
 def write_json(path: Path, document: Any, indent: int | None = None) -> None:
     """Write a JSON file; equal documents give equal bytes."""
     separators = (",", ":") if indent is None else None
     write_bytes(path, json.dumps(document, indent=indent, separators=separators, allow_nan=False).encode())
-
-
-def sweep(folder: Path) -> None:
-    """Remove what killed processes left half-written."""
-    for part in folder.rglob(".*.part"):
-        part.unlink(missing_ok=True)

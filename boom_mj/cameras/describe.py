@@ -8,10 +8,11 @@ import cv2
 import numpy as np
 
 from boom_mj.cameras.chequerboard import VIEWS
-from boom_mj.cameras.dataset import CameraEntry, Dataset, PictureEntry, PlateEntry, write_bytes
+from boom_mj.cameras.dataset import CameraEntry, Dataset, PictureEntry, PlateEntry
 from boom_mj.cameras.film import Film
 from boom_mj.cameras.shooting import Frame, Look
 from boom_mj.cameras.targets import SIDES, Plate, plate_picture
+from boom_mj.files import write_bytes
 from boom_mj.machine import Machine, sections
 
 Array = np.ndarray

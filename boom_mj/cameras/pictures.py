@@ -1,14 +1,14 @@
 """Pictures to look at: contact sheet, overlay of projected and tracked markers, video."""
 
 from pathlib import Path
-from typing import Any
 
 import cv2
 import numpy as np
 
 from boom_mj.cameras.chain import Tracking
-from boom_mj.cameras.dataset import Dataset, write_bytes
+from boom_mj.cameras.dataset import Dataset, read_picture
 from boom_mj.errors import RenderError
+from boom_mj.files import write_bytes
 
 Array = np.ndarray
 MEASURED, PROJECTED = (0, 94, 213), (178, 114, 0)  # vermilion and blue, as OpenCV orders colours
@@ -123,10 +123,7 @@ def _cross(picture: Array, pixel: Array, text: str) -> None:
 
 
 def _read(path: Path) -> Array:
-    picture: Any = cv2.imread(str(path))
-    if picture is None:
-        raise RenderError(f"{path} is missing or no picture")
-    return np.asarray(picture)
+    return read_picture(path, cv2.IMREAD_COLOR)
 
 
 def _shrunk(picture: Array, width: int) -> Array:

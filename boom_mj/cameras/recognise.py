@@ -8,6 +8,7 @@ import numpy as np
 
 from boom_mj.cameras.align import Pattern, Sighting, align, facing
 from boom_mj.cameras.intrinsics import Intrinsics
+from boom_mj.errors import TrackError
 
 Array = np.ndarray
 PLATE_PIXELS, RIM, SURROUNDINGS = 128, 28, 150  # along a plate, for its own features; px and grey level around it
@@ -35,7 +36,11 @@ class Catalogue:
 
 
 def catalogue_of(patterns: Sequence[Pattern]) -> Catalogue:
-    """KAZE features of plates."""
+    """KAZE features of plates.
+
+    Raises:
+        TrackError: none of them has any.
+    """
     kaze, places, descriptors, owners = cv2.KAZE.create(threshold=THRESHOLD), [], [], []
     for k, pattern in enumerate(patterns):
         columns = PLATE_PIXELS
@@ -50,6 +55,8 @@ def catalogue_of(patterns: Sequence[Pattern]) -> Catalogue:
         places.append((share[own] - 0.5) * [pattern.size[0], -pattern.size[1]])
         descriptors.append(found[own])
         owners.append(np.full(own.sum(), k))
+    if not places:
+        raise TrackError(f"no plate of {', '.join(pattern.name for pattern in patterns) or 'none'} can be recognised")
     return Catalogue(tuple(patterns), np.concatenate(places), np.concatenate(descriptors), np.concatenate(owners))
 
 

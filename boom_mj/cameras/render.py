@@ -8,6 +8,8 @@ from boom_mj.cameras.describe import write_plates
 from boom_mj.cameras.film import Film
 from boom_mj.cameras.formats import write_bop, write_coco, write_nerfstudio
 from boom_mj.cameras.shooting import Frame, Look, render_boards, render_frames
+from boom_mj.errors import DatasetError
+from boom_mj.files import locked
 
 Report = Callable[[str, int, int], None]
 """Told the stage, and how much of how much of it is done."""
@@ -32,10 +34,28 @@ def render_dataset(
 
     Raises:
         DatasetError: the folder holds something else.
-        RenderError: no OpenGL, or a full disk; what is done stays.
-        WorkerError: frames that no process survives, when all others are done.
+        OutputError: a full disk, or another process fills the folder.
+        RenderError: no OpenGL.
+        WorkerError: frames that no process survives, when all others are done. What is done stays.
     """
-    claim_folder(folder, dataset)
+    if folder.exists() and not folder.is_dir():
+        raise DatasetError(f"{folder} is a file; a data set needs a folder")
+    with locked(folder):
+        claim_folder(folder, dataset)
+        _fill(film, frames, look, dataset, folder, layouts, report, jobs, cluster)
+
+
+def _fill(
+    film: Film,
+    frames: list[Frame],
+    look: Look,
+    dataset: Dataset,
+    folder: Path,
+    layouts: Set[str],
+    report: Report,
+    jobs: int,
+    cluster: str | None,
+) -> None:
     write_plates(film, folder)
     boards: dict[str, list[Path]] = {}
     for picture in dataset.calibration:

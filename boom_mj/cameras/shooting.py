@@ -9,13 +9,14 @@ import cv2
 import numpy as np
 
 from boom_mj.cameras.chequerboard import shoot_boards
-from boom_mj.cameras.dataset import sweep, write_bytes, write_json
+from boom_mj.cameras.dataset import write_json
 from boom_mj.cameras.exposure import expose, instants, noisy
 from boom_mj.cameras.film import Film
 from boom_mj.cameras.intrinsics import Intrinsics
 from boom_mj.cameras.labels import label
 from boom_mj.cameras.light import weather_of
 from boom_mj.cameras.studio import Studio, choose_headless
+from boom_mj.files import sweep, write_bytes
 from boom_mj.machine.rig import Chequerboard
 from boom_mj.spreading import results
 
@@ -126,10 +127,11 @@ def render_frames(
     """Take all frames that are not done yet; for `jobs` and `cluster` see `spread`.
 
     Raises:
-        RenderError: no OpenGL, or a full disk; what is done stays.
-        WorkerError: frames that no process survives, when all others are done.
+        RenderError: no OpenGL.
+        OutputError: a full disk.
+        WorkerError: frames that no process survives, when all others are done. What is done stays.
     """
-    sweep(folder)
+    sweep(folder.rglob(".*.part"))
     missing = [frame for frame in frames if not (folder / frame.place("labels", ".json")).is_file()]
     batches = [Batch(tuple(missing[k : k + BATCH])) for k in range(0, len(missing), BATCH)]
     done = len(frames) - len(missing)

@@ -17,6 +17,7 @@ from boom_mj.cameras.lens import Lens
 from boom_mj.cameras.light import Weather
 from boom_mj.cameras.view import View
 from boom_mj.cameras.yard import GROUND
+from boom_mj.engine import NAME
 from boom_mj.errors import RenderError
 
 Array = np.ndarray
@@ -29,7 +30,7 @@ NO_OPENGL = (
 def choose_headless() -> None:
     """Let processes started from here render without a display, unless the user chose something else."""
     if sys.platform == "linux" and not any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY")):
-        os.environ.setdefault("MUJOCO_GL", "egl")
+        os.environ.setdefault(NAME, "egl")
 
 
 def open_renderer(model: mujoco.MjModel, size: Intrinsics) -> mujoco.Renderer:
@@ -41,7 +42,9 @@ def open_renderer(model: mujoco.MjModel, size: Intrinsics) -> mujoco.Renderer:
     try:
         return mujoco.Renderer(model, size.height, size.width)
     except (ImportError, AttributeError, RuntimeError, OSError, mujoco.FatalError) as error:
-        raise RenderError(NO_OPENGL.format(reason=str(error).split("\n")[0] or type(error).__name__)) from error
+        said = f"MUJOCO_GL={os.environ[NAME]}" if NAME in os.environ else "MUJOCO_GL unset"
+        reason = str(error).split("\n")[0] or type(error).__name__
+        raise RenderError(NO_OPENGL.format(reason=f"{said}: {reason}")) from error
 
 
 class Studio:

@@ -1,11 +1,16 @@
 """Arguments that several commands share."""
 
+import glob
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from boom_mj.errors import InputError
+from boom_mj.errors import InputError, MachineFileError, SimulationError
+from boom_mj.files import read_text, sweep, write_text
 from boom_mj.machine import Machine, load_machine, machine_file
 
 MachineFile = Annotated[str, typer.Argument(metavar="MACHINE.toml", help="Machine file, or a name such as boom36.")]
@@ -24,13 +29,55 @@ def find_machine(name: str) -> Machine:
 
 def machine_text(name: str) -> str:
     """The text of a machine file, found like `load_machine`."""
-    return machine_file(name).read_text()
+    return read_text(machine_file(name), MachineFileError)
 
 
-def output_path(path: Path, suffix: str) -> Path:
-    """Refuse an output that cannot be before any work is done."""
-    if path.suffix != suffix:
+def output_path(path: Path, suffix: str | None = None) -> Path:
+    """Refuse an output that cannot be before any work is done, and remove what killed processes left of it."""
+    if suffix is not None and path.suffix != suffix:
         raise InputError(f"{path}: the output of this command is a {suffix} file")
-    if not path.resolve().parent.is_dir():
-        raise InputError(f"{path}: there is no folder {path.resolve().parent}")
+    folder = _resolved(path).parent
+    if not folder.is_dir():
+        raise InputError(f"{path}: there is no folder {folder}")
+    if path.is_dir():
+        raise InputError(f"{path} is a folder; the output of this command is a file")
+    if not os.access(path if path.exists() else folder, os.W_OK):
+        raise InputError(f"{path} cannot be written: no permission")
+    sweep(folder.glob(f".{glob.escape(path.name)}.*.part"))
     return path
+
+
+def output_folder(path: Path) -> Path:
+    """Refuse a folder for outputs that cannot be before any work is done."""
+    there = next(place for place in (_resolved(path), *_resolved(path).parents) if place.exists())
+    if not there.is_dir():
+        raise InputError(f"{path}: {there} is a file; this command needs a folder")
+    if not os.access(there, os.W_OK):
+        raise InputError(f"{path} cannot be written: no permission in {there}")
+    return path
+
+
+def _resolved(path: Path) -> Path:
+    if (real := Path(os.path.realpath(path))).is_symlink():
+        raise InputError(f"{path} cannot be written: it is a loop of links")
+    return real
+
+
+def printable(text: str) -> str:
+    """Text from a file as it may stand on a terminal: what is not to be seen is escaped."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape", "surrogatepass").decode() for c in text)
+
+
+@contextmanager
+def last_states_beside(output: Path | None) -> Iterator[None]:
+    """Keep the last states of a simulation that leaves the numbers, as a table beside its output."""
+    try:
+        yield
+    except SimulationError as error:
+        if output is None or error.states is None:
+            raise
+        table = output.with_name(f"{output.stem}.diverged.csv")
+        write_text(table, error.states.table())
+        raise SimulationError(
+            f"{error}; {table} holds the last {len(error.states.time)} states", error.states
+        ) from error

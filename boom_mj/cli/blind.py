@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
-from boom_mj.cli.arguments import Cluster, Jobs, machine_text
-from boom_mj.errors import BoomError, InputError
+from boom_mj.cli.arguments import Cluster, Jobs, find_machine, machine_text, output_folder, output_path
+from boom_mj.errors import BoomError, InputError, MachineFileError
+from boom_mj.files import read_bytes, read_text, write_text
 
 app = typer.Typer(help="Check the diagnosis on effects that it is not told.", no_args_is_help=True)
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of the campaign.")]
@@ -45,11 +46,12 @@ def make(
 
     if output.resolve() in seed_file.resolve().parents:
         raise InputError(f"{seed_file}: the seed file must lie outside {output}")
-    if not seed_file.is_file():
-        raise InputError(f"{seed_file}: there is no such seed file")
+    output_folder(output)
+    output_path(seal)
+    find_machine(machine)
     suite, shares = SHORT if short else SUITE, _shares(mix) if mix else dict(MIX)
     with progress() as report:
-        secret, text = seed_file.read_bytes(), machine_text(machine)
+        secret, text = read_bytes(seed_file, InputError), machine_text(machine)
         for done in make_cases(cases, secret, text, suite, shares, output, seal, jobs, cluster):
             report("cases", done, cases)
     print(f"{cases} cases in {output}, sealed in {seal}: {(output / 'seal.sha256').read_text().strip()}")
@@ -71,12 +73,13 @@ def run(
     from boom_mj.cli.progress import progress
     from boom_mj.gap.blind import answer_cases, waiting_cases
 
-    answers = _answers(folder, output)
+    answers = output_folder(_answers(folder, output))
     waiting, count = waiting_cases(folder, answers)
+    machine = read_text(folder / "machine.toml", MachineFileError)
     done, failed = count - len(waiting), []
     with progress() as report:
         report("answers", done, count)
-        for case, error in answer_cases(waiting, (folder / "machine.toml").read_text(), answers, jobs, cluster):
+        for case, error in answer_cases(waiting, machine, answers, jobs, cluster):
             done += 1
             if error:
                 failed.append(case.name)
@@ -107,12 +110,12 @@ def score(
     """
     from boom_mj.gap.blind import confusion_svg, html_page, markdown_page
     from boom_mj.gap.blind import score as hold
-    from boom_mj.logs import whole_file
 
     if page is not None and page.suffix not in (".md", ".html"):
         raise InputError(f"{page}: a page is a .md or a .html file")
-    if not seal.is_file():
-        raise InputError(f"{seal}: there is no such seal")
+    for path in (page, as_json):
+        if path is not None:
+            output_path(path)
     found = hold(folder, seal, _answers(folder, answers))
     outputs: dict[Path, str] = {}
     if as_json is not None:
@@ -123,8 +126,7 @@ def score(
         picture = page.with_suffix(".svg")
         outputs |= {page: markdown_page(found, picture.name), picture: confusion_svg(found.outcomes)}
     for path, text in outputs.items():
-        with whole_file(path) as stream:
-            stream.write(text.encode())
+        write_text(path, text)
     for figure in found.figures:
         value = f"{figure.value:7.3g}   95 %: {figure.low:.3g} .. {figure.high:.3g}" if figure.count else "      -"
         mark = {None: " ", True: "+", False: "!"}[figure.met]

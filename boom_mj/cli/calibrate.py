@@ -11,7 +11,8 @@ import typer
 
 from boom_mj.cli.arguments import MachineFile, find_machine, machine_text, output_path
 from boom_mj.errors import InputError
-from boom_mj.logs import read_log, whole_file
+from boom_mj.files import write_text
+from boom_mj.logs import read_log
 
 if TYPE_CHECKING:
     from boom_mj.calibration import Plan
@@ -53,7 +54,11 @@ def command(
         validation_document,
     )
 
-    for path, suffix in ((html, ".html"), (output, ".toml")):
+    for path, suffix in (
+        (html, ".html"),
+        (output, ".toml"),
+        (None if as_json in (None, "-") else Path(str(as_json)), None),
+    ):
         if path is not None:
             output_path(path, suffix)
     for kind in free or ():
@@ -81,8 +86,7 @@ def command(
     answer = {**document(found, names), "validation": validation_document(shown)}
     _write(as_json, answer)
     if output is not None:
-        with whole_file(output) as stream:
-            stream.write(calibrated_text(machine_text(machine), found).encode())
+        write_text(output, calibrated_text(machine_text(machine), found))
     if html is not None:
         from boom_mj.report import write_calibration
 
@@ -92,8 +96,7 @@ def command(
 
 def _write(path: str | None, answer: dict[str, Any]) -> None:
     if path not in (None, "-"):
-        with whole_file(Path(str(path))) as stream:
-            stream.write(json.dumps(answer, indent=1).encode())
+        write_text(str(path), json.dumps(answer, indent=1))
 
 
 def _proposals(found: "Plan") -> str:

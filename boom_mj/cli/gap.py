@@ -11,11 +11,12 @@ import typer
 from typer.core import TyperCommand
 
 from boom_mj.cli import blind
-from boom_mj.cli.arguments import find_machine, machine_text, output_path
+from boom_mj.cli.arguments import find_machine, machine_text, output_folder, output_path
 from boom_mj.effects import effect_library
 from boom_mj.effects.general_effect import general_library
 from boom_mj.errors import InputError
-from boom_mj.logs import read_log, whole_file, write_mcap
+from boom_mj.files import locked, write_text
+from boom_mj.logs import read_log, write_mcap
 from boom_mj.recording import Recording, named_signal
 
 app = typer.Typer(help="Diagnose the gap between simulator and machine.", no_args_is_help=True)
@@ -101,9 +102,12 @@ def diagnose(
         given = {"--machine": machine, "--html": html, "--predictions": predictions}
         if wrong := [name for name, value in given.items() if value is not None]:
             raise InputError(f"{', '.join(wrong)} goes with booms only; with --map there are --json and -o MODEL.xml")
-    for path, suffix in ((html, ".html"), (output, ".xml" if channels else ".toml")):
+    table = None if as_json in (None, "-") else Path(str(as_json))
+    for path, suffix in ((html, ".html"), (output, ".xml" if channels else ".toml"), (table, None)):
         if path is not None:
             output_path(path, suffix)
+    if predictions is not None:
+        output_folder(predictions)
     for name in without or ():
         known = general_library() if channels else effect_library()
         if name not in known:
@@ -130,15 +134,13 @@ def diagnose(
     answer = document(found, names)
     tell(answer["verdict"])
     text = json.dumps(answer, indent=1)
-    if as_json not in (None, "-"):
-        with whole_file(Path(str(as_json))) as stream:
-            stream.write(text.encode())
+    if table is not None:
+        write_text(table, text)
     if output is not None:
-        with whole_file(output) as stream:
-            text_of = corrected_model(found) if channels else with_effects_text(machine_text(name), found)
-            stream.write(text_of.encode())
+        write_text(output, corrected_model(found) if channels else with_effects_text(machine_text(name), found))
     if predictions is not None:
-        _write_predictions(found, predictions, paths)
+        with locked(predictions):
+            _write_predictions(found, predictions, paths)
     if html is not None:
         from boom_mj.report import write_diagnosis
 
@@ -168,7 +170,6 @@ def _summary(answer: dict[str, Any]) -> str:
 def _write_predictions(found: Any, folder: Path, paths: list[Path]) -> None:
     from boom_mj.gap import estimated_tolerances
 
-    folder.mkdir(parents=True, exist_ok=True)
     tolerances = estimated_tolerances(found)
     corrected = (*tolerances, *(found.best.fit.effects if found.best else ()))
     for kind, hypothesis in (("nominal", tolerances), ("corrected", corrected)):

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from boom_mj.cli.arguments import Hinges, MachineFile, find_machine, output_path
-from boom_mj.logs import whole_file
+from boom_mj.files import write_text
 from boom_mj.mjcf import build
 
 
@@ -27,6 +27,5 @@ def command(
     if output is None:
         print(text, end="")
         return
-    with whole_file(output) as stream:
-        stream.write(text.encode())
+    write_text(output, text)
     print(output)

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
+from boom_mj.cli.arguments import printable
 from boom_mj.errors import InputError
 from boom_mj.logs.checks import SLOW, slow_rate
 from boom_mj.logs.inspection import LogSummary, Times, Topic, inspect_log
@@ -37,13 +38,13 @@ def inspect(
         raise InputError(f"{log}: there is no such log")
     summary = inspect_log(log)
     for remark in summary.remarks:
-        print(f"warning: {remark}", file=sys.stderr)
+        print(f"warning: {printable(remark)}", file=sys.stderr)
     if as_map:
         print(propose_map(summary), end="")
     elif as_json:
         print(json.dumps(_document(summary), indent=1))
     else:
-        print("\n".join((*_lines(summary), "", propose_map(summary))), end="")
+        print("\n".join((*map(printable, _lines(summary)), "", propose_map(summary))), end="")
 
 
 def _document(summary: LogSummary) -> dict[str, Any]:

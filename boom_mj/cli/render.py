@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from boom_mj.cli.arguments import Cluster, Hinges, find_machine, output_path
+from boom_mj.cli.arguments import Cluster, Hinges, find_machine, last_states_beside, output_folder, output_path
 from boom_mj.cli.progress import progress
 from boom_mj.errors import InputError
 from boom_mj.logs import read_log, write_mcap
@@ -67,7 +67,9 @@ def command(
     if sheet is not None:
         output_path(sheet, ".png")
     wanted, drawn = _choice(layout, LAYOUTS, "layout"), _choice(randomise, KINDS, "randomise")
-    trajectory, recording = _motion(what, experiment, machine, hinges)
+    output_folder(output)
+    with last_states_beside(output):
+        trajectory, recording = _motion(what, experiment, machine, hinges)
     last = float(recording.duration if stop is None else stop)
     if not start <= last <= trajectory.time[-1] + 1e-6:
         raise InputError(f"stop = {last}: the motion runs to {trajectory.time[-1]:.3f} s, and starts at {start}")

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from boom_mj.cli.arguments import Hinges, find_machine, output_path
+from boom_mj.cli.arguments import Hinges, find_machine, last_states_beside, output_path
 from boom_mj.errors import InputError
 from boom_mj.logs import load_topic_map, read_log, write_mcap
 from boom_mj.sensors import Replay, boom_scene, replay
@@ -50,7 +50,8 @@ def command(
     print(f"{recording.name}: {quality.summary()}", file=sys.stderr)
     for remark in quality.remarks():
         print(f"warning: {remark}", file=sys.stderr)
-    result = replay(plant, recording)
+    with last_states_beside(output):
+        result = replay(plant, recording)
     if output is not None:
         scene = boom_scene(result.trajectory, recording["joint/position"].time[0])
         write_mcap(result.twin, output, beside={"/measured": result.log}, scene=scene)

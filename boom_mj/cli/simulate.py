@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from boom_mj.cli.arguments import Cluster, Hinges, Jobs, MachineFile, find_machine, output_path
+from boom_mj.cli.arguments import Cluster, Hinges, Jobs, MachineFile, find_machine, last_states_beside, output_path
 from boom_mj.cli.progress import progress
 from boom_mj.effects import parse_effect
 from boom_mj.errors import BoomError, InputError
@@ -66,7 +66,9 @@ def command(
         raise InputError("--draws, --jobs and --cluster are for a sweep: give a range with --sweep")
     if output is not None:
         output_path(output, ".mcap")
-    trajectory = run_experiment(make_plant(find_machine(machine), hinges, effects), plan)
+    plant = make_plant(find_machine(machine), hinges, effects)
+    with last_states_beside(output):
+        trajectory = run_experiment(plant, plan)
     rng = np.random.default_rng(seed) if noise else None
     recording = record(trajectory, plan, rng)
     if output is not None:

@@ -54,7 +54,7 @@ def _check_angles(signal: Signal, where: str) -> None:
         return
     usual = float(np.median(step))
     holes = np.flatnonzero(step > HOLE * usual)
-    if holes.size and step.max() > LONGEST_HOLE:
+    if step.max() > LONGEST_HOLE:
         i = int(np.argmax(step))
         raise LogError(
             f"{signal.channels[0]}..{signal.channels[-1]} have a hole of {step[i]:.3f} s after {signal.time[i]:.3f} s; "

@@ -4,11 +4,8 @@ A field is a path: `qm`, `ScopeData.signals.values[2]`, `positions[0]`, and of b
 `/joint_states.position[0]`, whose time is `/joint_states.log_time`. A number in brackets counts columns from 0.
 """
 
-import csv
-import gzip
 import json
 import re
-import zlib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -19,7 +16,8 @@ from boom_mj.errors import LogError
 from boom_mj.logs.channel import Batch
 from boom_mj.logs.encodings import decoder_of
 from boom_mj.logs.formats import format_of, log_file
-from boom_mj.logs.formats.table import SUFFIXES, _text
+from boom_mj.logs.formats.table import SUFFIXES, cells, lines, numbers
+from boom_mj.logs.matlab import read_matlab
 
 Array = np.ndarray
 FIELD = re.compile(r"^(?P<stem>.*?)(\[(?P<column>\d+)\])?$")
@@ -37,7 +35,7 @@ def read_columns(path: Path, fields: Iterable[str]) -> dict[str, Array]:
         raise LogError(f"{path} cannot be read: there is no such file")
     name = path.name.lower()
     if name.endswith(".mat"):
-        table: Mapping[str, Any] = _matlab(path)
+        table: Mapping[str, Any] = read_matlab(path)
         return {field: _within(path, table, field) for field in fields}
     if name.endswith(SUFFIXES):
         table = _csv(path)
@@ -68,52 +66,21 @@ def _within(path: Path, table: Mapping[str, Any], field: str) -> Array:
     return numbers
 
 
-def _matlab(path: Path) -> Mapping[str, Any]:
-    from scipy.io import loadmat
-
-    try:
-        found = loadmat(path, squeeze_me=True, struct_as_record=False)
-    except (ValueError, OSError, NotImplementedError, TypeError, zlib.error) as error:
-        raise LogError(f"{path} is no MATLAB file of version 4 to 7.2: {error}") from error
-    return {name: _tree(value) for name, value in found.items() if not name.startswith("__")}
-
-
-def _tree(value: Any) -> Any:
-    """Structures of MATLAB as mappings."""
-    if hasattr(value, "_fieldnames"):
-        return {name: _tree(getattr(value, name)) for name in value._fieldnames}
-    return value
-
-
 def _csv(path: Path) -> Mapping[str, Any]:
-    try:
-        with _text(path) as stream:
-            rows = [row for row in csv.reader(stream) if row]
-    except (UnicodeDecodeError, csv.Error, EOFError, zlib.error, gzip.BadGzipFile, OSError) as error:
-        raise LogError(f"{path} is damaged: {error}") from error
+    rows = list(cells(path, lines(path), ","))
     if len(rows) < 2 or len({len(row) for row in rows}) > 1:
         raise LogError(f"{path} is no table: it needs a line of names, and as many cells in every line")
-    return {name.strip(): _cells([row[k] for row in rows[1:]]) for k, name in enumerate(rows[0])}
+    return {name.strip(): _column([row[k] for row in rows[1:]]) for k, name in enumerate(rows[0])}
 
 
-def _cells(cells: list[str]) -> Any:
+def _column(cells: list[str]) -> Any:
     """A column of numbers, or of lists of numbers (n, k); texts are NaN."""
     if cells[0].lstrip().startswith("["):
         try:
             return [json.loads(cell) for cell in cells]
-        except json.JSONDecodeError:
+        except (ValueError, RecursionError):
             return cells
-    try:
-        return np.array(cells, dtype=np.float64)
-    except ValueError:
-        return np.array([_number(cell) for cell in cells])
-
-
-def _number(cell: str) -> float:
-    try:
-        return float(cell)
-    except ValueError:
-        return np.nan
+    return numbers(cells)
 
 
 def _messages(path: Path, fields: tuple[str, ...]) -> dict[str, Array]:

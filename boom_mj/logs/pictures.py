@@ -1,6 +1,5 @@
 """What cameras add to a log: pictures, camera models, and how sure tracked positions are."""
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -8,6 +7,8 @@ from typing import Any
 import numpy as np
 
 from boom_mj.cameras.dataset import Dataset
+from boom_mj.errors import DatasetError
+from boom_mj.files import read_bytes, read_json
 from boom_mj.logs.messages import make
 
 Array = np.ndarray
@@ -25,11 +26,11 @@ def picture_messages(folder: Path, dataset: Dataset) -> Iterator[tuple[int, str,
         path = folder / frame.file
         header = _header(stamp, frame.camera)
         kind = "jpeg" if path.suffix == ".jpg" else path.suffix[1:]
-        data = np.frombuffer(path.read_bytes(), np.uint8)
+        data = np.frombuffer(read_bytes(path, DatasetError), np.uint8)
         picture = make("sensor_msgs/msg/CompressedImage", header=header, format=kind, data=data)
         yield stamp, f"{place}/image/compressed", picture
         label = folder / Path(frame.file.replace("images/", "labels/", 1)).with_suffix(".json")
-        yield stamp, f"{place}/camera_info", _camera_info(header, json.loads(label.read_bytes()))
+        yield stamp, f"{place}/camera_info", _camera_info(header, read_json(label, DatasetError))
 
 
 def covariance_messages(time: Array, covariance: Array) -> Iterator[tuple[int, str, Any]]:

@@ -3,14 +3,14 @@
 A signal's channel is `sign * logged + offset` (both in `unit`), turned into SI. docs/logs.md explains the file.
 """
 
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, field_validator, model_validator
 
-from boom_mj.errors import TopicMapError
+from boom_mj.errors import TopicMapError, shown
+from boom_mj.files import parse_toml, read_text
 from boom_mj.logs.topics import LOGGED, TOPICS
 from boom_mj.logs.units import GUESS, UNITS
 from boom_mj.recording import QUANTITIES
@@ -123,12 +123,7 @@ def load_topic_map(path: str | Path) -> TopicMap:
     Raises:
         TopicMapError: a file that is missing or no TOML, or every bad entry with its number and what is allowed.
     """
-    try:
-        document = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise TopicMapError(f"{path} cannot be read: {error}") from error
-    except tomllib.TOMLDecodeError as error:
-        raise TopicMapError(f"{path}: not a TOML file: {error}") from error
+    document = parse_toml(read_text(path, TopicMapError), path, TopicMapError)
     rows = document.get("entry")
     if set(document) != {"entry"} or not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
         raise TopicMapError(
@@ -153,7 +148,7 @@ def _sentence(item: Any) -> str:
         known = ", ".join(field.alias or name for name, field in Entry.model_fields.items())
         return f"{place} is an unknown key; known are {known}"
     message = item["msg"].removeprefix("Value error, ")
-    return f"{place} = {item['input']!r}: {message}" if place else message
+    return f"{place} = {shown(item['input'])}: {message}" if place else message
 
 
 def own_map() -> TopicMap:

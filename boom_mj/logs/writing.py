@@ -1,17 +1,15 @@
 """Recording -> MCAP file of ROS 2 messages, written whole or not at all; equal recordings give equal bytes."""
 
-import os
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
-from uuid import uuid4
 
 import numpy as np
 from mcap.writer import CompressionType, Writer
 
 from boom_mj.errors import LogError
+from boom_mj.files import whole_file
 from boom_mj.logs.messages import make, typestore
 from boom_mj.logs.scene import TYPES as SCENE_TYPES
 from boom_mj.logs.scene import scene_messages
@@ -41,28 +39,14 @@ def write_mcap(
 
     Raises:
         LogError: a signal that no topic carries, signals of one topic with different times, a time or a value
-            that a log cannot hold, a file that cannot be written. The old file, if any, is untouched then.
+            that a log cannot hold.
+        OutputError: a file that cannot be written. The old file, if any, is untouched then.
     """
     variance = variance or {}
     parts = [_Part("", recording, variance), *(_Part(prefix, r, {}) for prefix, r in (beside or {}).items())]
     columns = [column for part in parts for column in part.columns()]
-    with whole_file(Path(path)) as stream:
+    with whole_file(path) as stream:
         _write(recording, columns, scene, also, stream)
-
-
-@contextmanager
-def whole_file(path: Path) -> Iterator[IO[bytes]]:
-    """Stream to a file that appears under its name when the block ends, and not at all if it fails."""
-    part = path.with_name(f".{path.name}.{uuid4().hex}.part")  # process numbers repeat between machines
-    try:
-        try:
-            with part.open("wb") as stream:
-                yield stream
-            os.replace(part, path)
-        finally:
-            part.unlink(missing_ok=True)
-    except OSError as error:
-        raise LogError(f"{path} cannot be written: {error.strerror or error}") from error
 
 
 def _stamps(recording: Recording, topic: Topic) -> np.ndarray:

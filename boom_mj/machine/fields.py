@@ -4,11 +4,13 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
-Positive = Annotated[FiniteFloat, Field(gt=0)]
-NonNegative = Annotated[FiniteFloat, Field(ge=0)]
+LARGEST = 1e15  # in SI: nothing of a machine is larger
+Number = Annotated[FiniteFloat, Field(ge=-LARGEST, le=LARGEST)]
+Positive = Annotated[FiniteFloat, Field(gt=0, le=LARGEST)]
+NonNegative = Annotated[FiniteFloat, Field(ge=0, le=LARGEST)]
 Pair = tuple[Positive, Positive]
-Point2 = tuple[FiniteFloat, FiniteFloat]
-Point3 = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
+Point2 = tuple[Number, Number]
+Point3 = tuple[Number, Number, Number]
 
 
 class Frozen(BaseModel):

@@ -5,7 +5,6 @@ properties beside them are in radians. A `Pair` is (root, tip); what lies betwee
 """
 
 import math
-import tomllib
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
@@ -13,8 +12,9 @@ from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
 
-from boom_mj.errors import MachineFileError
-from boom_mj.machine.fields import Frozen, NonNegative, Pair, Point2, Positive
+from boom_mj.errors import MachineFileError, shown
+from boom_mj.files import parse_toml, read_text
+from boom_mj.machine.fields import Frozen, NonNegative, Number, Pair, Point2, Positive
 from boom_mj.machine.rig import Camera, Targets
 
 
@@ -25,7 +25,7 @@ def _ordered(pair: tuple[float, float]) -> tuple[float, float]:
 
 
 MODELS = tuple(folder / "models" for folder in Path(__file__).parents[1:3])  # of the wheel, of the repository
-RangeDeg = Annotated[tuple[FiniteFloat, FiniteFloat], AfterValidator(_ordered)]
+RangeDeg = Annotated[tuple[Number, Number], AfterValidator(_ordered)]
 
 
 class Drive(Frozen):
@@ -59,16 +59,16 @@ class Link(Drive):
     name: str
     length: Positive
     mass: Positive
-    center_of_gravity: FiniteFloat
+    center_of_gravity: Number
     height: Pair
     width: Pair
     wall: Pair
     rotary_inertia: Pair
-    offset: FiniteFloat
+    offset: Number
     youngs_modulus_y: Positive
     youngs_modulus_z: Positive
     shear_modulus: Positive
-    support: FiniteFloat | None = None
+    support: Number | None = None
 
     @property
     def line_mass(self) -> tuple[float, float]:
@@ -112,7 +112,7 @@ class Damping(Frozen):
 
 class MassAt(Frozen):
     mass: NonNegative
-    x: FiniteFloat
+    x: Number
 
 
 class PointMasses(Frozen):
@@ -126,8 +126,8 @@ class PointMasses(Frozen):
 
 
 class Rod(Frozen):
-    x: FiniteFloat
-    y: FiniteFloat
+    x: Number
+    y: Number
 
 
 class _Bore(Frozen):
@@ -150,7 +150,7 @@ class Cylinder2(_Bore):
 
 class Lever(Frozen):
     length: Positive
-    angle_deg: FiniteFloat
+    angle_deg: Number
 
 
 class Cylinder3(_Bore):
@@ -277,22 +277,14 @@ def load_machine(path: Path | str) -> Machine:
         MachineFileError: the file is missing, is no TOML, or holds bad values; every one of them is listed with its
             place, the value and what is allowed.
     """
-    try:
-        text = machine_file(path).read_bytes().decode()
-    except (OSError, UnicodeDecodeError) as error:
-        shipped = ", ".join(sorted(file.stem for folder in MODELS for file in folder.glob("*.toml")))
-        raise MachineFileError(
-            f"{path}: cannot be read as a machine file ({error}); known by name: {shipped}"
-        ) from error
-    return parse_machine(text, str(path))
+    return parse_machine(read_text(machine_file(path), MachineFileError), str(path))
 
 
 def parse_machine(text: str, source: str = "machine file") -> Machine:
     """The machine that a TOML text describes; see `load_machine`."""
+    content = parse_toml(text, source, MachineFileError)
     try:
-        return Machine.model_validate(tomllib.loads(text))
-    except tomllib.TOMLDecodeError as error:
-        raise MachineFileError(f"{source}: not a TOML file: {error}") from error
+        return Machine.model_validate(content)
     except ValidationError as error:
         raise MachineFileError("\n".join(f"{source}: {line}" for line in _sentences(error))) from error
 
@@ -332,13 +324,13 @@ def _sentences(error: ValidationError) -> list[str]:
         if kind == "missing":
             lines.append(f"{place} is missing")
         elif kind == "extra_forbidden":
-            lines.append(f"{place} = {value!r}: unknown key; known here: {', '.join(_known(item['loc'][:-1]))}")
+            lines.append(f"{place} = {shown(value)}: unknown key; known here: {', '.join(_known(item['loc'][:-1]))}")
         elif kind == "value_error":
             message = item["msg"].removeprefix("Value error, ")
-            shown = "" if isinstance(value, dict) else f" = {value!r}"
-            lines.append(f"{place}{shown}: {message}" if place else message)
+            after = "" if isinstance(value, dict) else f" = {shown(value)}"
+            lines.append(f"{place}{after}: {message}" if place else message)
         else:
-            lines.append(f"{place} = {value!r}: {item['msg'][0].lower()}{item['msg'][1:]}")
+            lines.append(f"{place} = {shown(value)}: {item['msg'][0].lower()}{item['msg'][1:]}")
     return lines
 
 

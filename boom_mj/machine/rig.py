@@ -6,9 +6,9 @@ the upper left pixel is (0, 0), u runs right, v down.
 
 from typing import Annotated, Self
 
-from pydantic import Field, FiniteFloat, model_validator
+from pydantic import Field, model_validator
 
-from boom_mj.machine.fields import Frozen, NonNegative, Pair, Point2, Point3, Positive
+from boom_mj.machine.fields import Frozen, NonNegative, Number, Pair, Point2, Point3, Positive
 
 
 class ImageNoise(Frozen):
@@ -39,11 +39,11 @@ class Camera(Frozen):
     resolution: tuple[Annotated[int, Field(ge=16, le=16384)], Annotated[int, Field(ge=16, le=16384)]] = (1920, 1080)
     focal_length: Pair
     principal_point: Point2 | None = None
-    distortion: tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat] = (0.0, 0.0, 0.0, 0.0, 0.0)
+    distortion: tuple[Number, Number, Number, Number, Number] = (0.0, 0.0, 0.0, 0.0, 0.0)
     exposure: NonNegative = 0.0
     readout: NonNegative = 0.0
     frame_rate_hz: Positive = 20.0
-    clock_offset: FiniteFloat = 0.0
+    clock_offset: Number = 0.0
     noise: ImageNoise = ImageNoise()
 
     @model_validator(mode="after")
@@ -74,14 +74,14 @@ class ReferencePlate(Frozen):
     """A plate on the truck with a known place: its centre and the horizontal direction it faces, world."""
 
     position: Point3
-    facing_deg: FiniteFloat
+    facing_deg: Number
     """From the x axis to the left: 0 forward, 90 left, -90 right."""
 
 
 class Chequerboard(Frozen):
     """Inner corners across and down, and the side of a square, m."""
 
-    corners: tuple[Annotated[int, Field(ge=3)], Annotated[int, Field(ge=3)]] = (10, 7)
+    corners: tuple[Annotated[int, Field(ge=3, le=100)], Annotated[int, Field(ge=3, le=100)]] = (10, 7)
     square: Positive = 0.12
 
 

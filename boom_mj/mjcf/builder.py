@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 from scipy.linalg import eigvalsh
 
+from boom_mj.errors import MachineFileError, numbers_of
 from boom_mj.machine import AXES, Machine
 from boom_mj.mjcf import scene
 from boom_mj.mjcf.hinges import HingeChain, hinge_chains
@@ -39,11 +40,12 @@ class BoomModel:
 
     def compile(self) -> mujoco.MjModel:
         """The specification as MuJoCo runs it."""
-        return self.spec.compile()
+        with numbers_of(self.machine.name, MachineFileError):
+            return self.spec.compile()
 
     def to_xml(self) -> str:
         """The MJCF text."""
-        self.spec.compile()
+        self.compile()
         return self.spec.to_xml()
 
     def ritz_matrix(self, model: mujoco.MjModel) -> Array:
@@ -66,7 +68,15 @@ def build(machine: Machine, hinges: int = 1) -> BoomModel:
 
     Joints `joint1`..`joint5`, elastic hinges `link2_v_1`, ..; sites `tip`, `imu_link2`.., `marker1`..; actuators
     `drive1`..`drive5` (servo to a joint angle in rad) and `rope_x`, `rope_y`, `rope_z` (force on the tip, world, N).
+
+    Raises:
+        MachineFileError: numbers that make no model.
     """
+    with numbers_of(machine.name, MachineFileError):
+        return _built(machine, hinges)
+
+
+def _built(machine: Machine, hinges: int) -> BoomModel:
     spec = mujoco.MjSpec()
     spec.modelname = machine.name
     spec.compiler.degree = False

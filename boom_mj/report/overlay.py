@@ -8,7 +8,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from boom_mj.logs import whole_file
+from boom_mj.files import whole_file
 from boom_mj.report.colours import MEASURED, NOMINAL
 from boom_mj.sensors import Replay
 

@@ -2,6 +2,7 @@
 
 from boom_mj.simulation.catalogue import CATALOGUE as CATALOGUE
 from boom_mj.simulation.catalogue import load_experiment as load_experiment
+from boom_mj.simulation.diverged import LastStates as LastStates
 from boom_mj.simulation.experiments import Experiment as Experiment
 from boom_mj.simulation.plant import Plant as Plant
 from boom_mj.simulation.plant import make_plant as make_plant

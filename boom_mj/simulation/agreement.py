@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from boom_mj.errors import EquilibriumError, numbers_of
 from boom_mj.machine import Machine
 from boom_mj.reference import ReferenceModel, Simplifications
 from boom_mj.simulation.plant import JOINTS, Plant, make_plant
@@ -49,7 +50,16 @@ def random_poses(machine: Machine, count: int, seed: int) -> Array:
 def compare_models(
     machine: Machine, hinges: int, poses: Array, progress: Callable[[int], None] = lambda done: None
 ) -> Agreement:
-    """Statics and modes of both models at every pose."""
+    """Statics and modes of both models at every pose.
+
+    Raises:
+        EquilibriumError: a pose without rest.
+    """
+    with numbers_of(machine.name, EquilibriumError):
+        return _compared(machine, hinges, poses, progress)
+
+
+def _compared(machine: Machine, hinges: int, poses: Array, progress: Callable[[int], None]) -> Agreement:
     plant = make_plant(machine, hinges)
     references = (ReferenceModel(machine), ReferenceModel(machine, Simplifications(linear_kinematics=False)))
     floors = [FLOOR * _reference_figures(reference, np.zeros(JOINTS))[:2] for reference in references]

@@ -1,20 +1,20 @@
 """Experiments: a start pose, moves of joints, and a rope load that is cut."""
 
-import tomllib
 from pathlib import Path
 from typing import Annotated
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
-from boom_mj.errors import ExperimentError
+from boom_mj.errors import ExperimentError, shown
+from boom_mj.files import parse_toml, read_text
 from boom_mj.machine import Machine
+from boom_mj.machine.fields import NonNegative, Number, Positive
 
 Array = np.ndarray
+LONGEST = 7200.0  # s of one simulation
 RELEASE_TIME = 0.02  # s in which a cut rope's force falls to zero
 Joint = Annotated[int, Field(ge=1, le=5)]
-Positive = Annotated[FiniteFloat, Field(gt=0)]
-NonNegative = Annotated[FiniteFloat, Field(ge=0)]
 
 
 class _Frozen(BaseModel):
@@ -26,7 +26,7 @@ class Move(_Frozen):
 
     joint: Joint
     start: NonNegative
-    angle_deg: FiniteFloat
+    angle_deg: Number
     speed_deg_s: Positive
     blend: Positive = 1.0
 
@@ -82,9 +82,9 @@ class Experiment(_Frozen):
 
     name: str
     description: str = ""
-    pose_deg: tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
-    duration: Positive
-    load: tuple[FiniteFloat, FiniteFloat, FiniteFloat] = (0.0, 0.0, 0.0)
+    pose_deg: tuple[Number, Number, Number, Number, Number]
+    duration: Annotated[FiniteFloat, Field(gt=0, le=LONGEST)]
+    load: tuple[Number, Number, Number] = (0.0, 0.0, 0.0)
     release: Positive | None = None
     move: tuple[Move, ...] = ()
     chirp: tuple[Chirp, ...] = ()
@@ -128,10 +128,9 @@ def parse_experiment(path: str) -> Experiment:
     Raises:
         ExperimentError: the file cannot be read or has bad fields; each is named.
     """
+    content = parse_toml(read_text(path, ExperimentError), path, ExperimentError)
     try:
-        return Experiment.model_validate({"name": Path(path).stem, **tomllib.loads(Path(path).read_text())})
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise ExperimentError(f"{path}: cannot be read as an experiment ({error})") from error
+        return Experiment.model_validate({"name": Path(path).stem, **content})
     except ValidationError as error:
-        places = "; ".join(f"{'.'.join(map(str, e['loc']))} = {e['input']!r}: {e['msg']}" for e in error.errors())
+        places = "; ".join(f"{'.'.join(map(str, e['loc']))} = {shown(e['input'])}: {e['msg']}" for e in error.errors())
         raise ExperimentError(f"{path}: {places}") from error

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from boom_mj.effects import Effect, LoadEffect, ModelEffect, effects_of
-from boom_mj.errors import EffectError, EquilibriumError
+from boom_mj.errors import EffectError, EquilibriumError, numbers_of
 from boom_mj.machine import Machine
 from boom_mj.mjcf import BoomModel, build
 
@@ -130,7 +130,8 @@ class Plant:
         longest, slow = np.inf, True
         for _ in range(100):
             if slow:  # else the last stiffness still does
-                curvature, direction = np.linalg.eigh(self.stiffness(qpos, force))
+                with numbers_of(self.machine.name, EquilibriumError):
+                    curvature, direction = np.linalg.eigh(self.stiffness(qpos, force))
             missing = self.rest_force(qpos, force)[self.elastic]
             # downhill along every axis, a pendulum that stands on its head included
             step = direction @ ((direction.T @ missing) / np.maximum(np.abs(curvature), FLOPPY))
@@ -147,7 +148,8 @@ class Plant:
     def modes(self, qpos: Array) -> Vibration:
         """Frequencies, damping ratios and shapes of small vibration about qpos with the joints held."""
         held = np.ix_(self.elastic, self.elastic)
-        square, shape = eigh(self.stiffness(qpos), self.mass_matrix(qpos)[held])
+        with numbers_of(self.machine.name, EquilibriumError):
+            square, shape = eigh(self.stiffness(qpos), self.mass_matrix(qpos)[held])
         omega = np.sqrt(np.maximum(square, 0))
         damping = np.einsum("ij,i,ij->j", shape, self.model.dof_damping[self.elastic], shape)
         return Vibration(omega / (2 * np.pi), damping / (2 * omega), shape)

@@ -13,13 +13,15 @@ import numpy as np
 from mujoco.batch import Batch
 
 from boom_mj.effects import LoadEffect
-from boom_mj.errors import SimulationError
+from boom_mj.errors import InputError
 from boom_mj.machine import cylinder_forces
-from boom_mj.simulation.experiments import Experiment
+from boom_mj.simulation.diverged import diverged
+from boom_mj.simulation.experiments import LONGEST, Experiment
 from boom_mj.simulation.plant import JOINTS, Plant
 
 Array = np.ndarray
 ARMATURE = 1e11  # kg m^2, five orders above the boom's own inertia
+MOST_STEPS = 2**21  # some gigabytes of states
 SERVO = 2 * np.pi * 2.0  # rad/s
 
 
@@ -77,17 +79,26 @@ def run_experiment(plant: Plant, experiment: Experiment) -> Trajectory:
     """Simulate an experiment from rest.
 
     Raises:
-        ExperimentError: the machine cannot follow it.
+        InputError: the machine cannot follow it, or it is too long.
         SimulationError: MuJoCo left the numbers.
     """
-    experiment.check(plant.machine)
     time = step_times(plant, experiment.duration)
+    experiment.check(plant.machine)
     return run(plant, experiment.joint_path(time)[0], experiment.tip_force(time))
 
 
 def step_times(plant: Plant, duration: float) -> Array:
-    """Times of the integrator's steps from 0 to past `duration`, (n,), s."""
+    """Times of the integrator's steps from 0 to past `duration`, (n,), s.
+
+    Raises:
+        InputError: it is longer than LONGEST.
+    """
     step = plant.model.opt.timestep
+    if duration > min(LONGEST, MOST_STEPS * step):
+        raise InputError(
+            f"{duration:.6g} s are too long for one simulation of {plant.machine.name}: up to {LONGEST:g} s and "
+            f"{MOST_STEPS} steps, here of {step:.3g} s, are simulated"
+        )
     return step * np.arange(int(np.ceil(duration / step - 1e-9)) + 1)
 
 
@@ -99,7 +110,7 @@ def run(plant: Plant, angles: Array, tip_force: Array) -> Trajectory:
         tip_force: world frame, (n, 3), N.
 
     Raises:
-        SimulationError: the state is no longer finite; the time is named.
+        SimulationError: the state is no longer finite; when and where, and the last states.
     """
     model, step = driven_model(plant), plant.model.opt.timestep
     path = np.vstack([2 * angles[0] - angles[1], angles, 2 * angles[-1] - angles[-2]])
@@ -128,9 +139,7 @@ def run(plant: Plant, angles: Array, tip_force: Array) -> Trajectory:
     )
     warned = batch.warning[0]
     if not np.all(np.isfinite(qpos[0, -1])) or warned.any():
-        finite = np.all(np.isfinite(qpos[0]), axis=1) & (np.abs(qpos[0]).max(axis=1) < 1e3)
-        when = step * (len(finite) if finite.all() else int(np.argmin(finite)))
-        raise SimulationError(f"the simulation of {plant.machine.name} left the numbers at about t = {when:.3f} s")
+        raise diverged(model, qpos[0], qvel[0], warned, plant.machine.name)
 
     torque = record["actuator_force"][0][:, drives] - ARMATURE * record["qacc"][0][:, plant.joints]
     return Trajectory(

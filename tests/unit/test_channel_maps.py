@@ -37,7 +37,7 @@ channel = [
         ('time = "t"', "", "time is missing"),
         ('role = "compare"', 'role = "control"', "nothing to judge by"),
         ('time = "t"', 'time = "t"\nsettle = 20.0', "leaves nothing of window"),
-        ('time = "t"', "time = ", "is no TOML"),
+        ('time = "t"', "time = ", "not a TOML file"),
     ],
 )
 def test_bad_maps(old: str, new: str, said: str) -> None:

@@ -10,7 +10,7 @@ from mcap.reader import make_reader
 from mcap.writer import Writer
 from mcap_ros2.decoder import DecoderFactory
 
-from boom_mj.errors import LogError, LogWarning
+from boom_mj.errors import LogError, LogWarning, OutputError
 from boom_mj.logs import read_mcap, write_mcap
 from boom_mj.logs.messages import make, typestore
 from boom_mj.recording import QUANTITIES, Recording, named_signal
@@ -119,14 +119,14 @@ def test_a_failing_write_leaves_the_old_file_and_nothing_else(tmp_path, monkeypa
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(Writer, "finish", full)
-    with pytest.raises(LogError, match=r"log\.mcap cannot be written: No space left"):
+    with pytest.raises(OutputError, match=r"log\.mcap cannot be written: No space left"):
         write_mcap(recording(seed=1), path)
     assert path.read_bytes() == before
     assert list(tmp_path.iterdir()) == [path]
 
 
 def test_a_folder_that_is_not_there_is_named(tmp_path):
-    with pytest.raises(LogError, match=r"nowhere.log\.mcap cannot be written"):
+    with pytest.raises(OutputError, match=r"nowhere.log\.mcap cannot be written"):
         write_mcap(recording(), tmp_path / "nowhere" / "log.mcap")
 
 

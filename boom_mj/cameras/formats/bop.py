@@ -16,9 +16,10 @@ import cv2
 import mujoco
 import numpy as np
 
-from boom_mj.cameras.dataset import Dataset, write_bytes, write_json
+from boom_mj.cameras.dataset import Dataset, read_picture, write_json
 from boom_mj.cameras.formats.labels import each_label
 from boom_mj.cameras.labels import boom_bodies, box_corners
+from boom_mj.files import write_bytes
 
 Array = np.ndarray
 MM = 1000.0
@@ -115,7 +116,7 @@ def _filled(outline: list[list[float]], shape: tuple[int, int]) -> Array:
 
 def _visible(folder: Path, file: str) -> Array | None:
     path = (folder / file.replace("images/", "masks/", 1)).with_suffix(".png")
-    return cv2.imread(str(path), cv2.IMREAD_UNCHANGED) if path.is_file() else None
+    return read_picture(path, cv2.IMREAD_UNCHANGED) if path.is_file() else None
 
 
 def _link(source: Path, target: Path) -> None:

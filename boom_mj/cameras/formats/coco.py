@@ -11,7 +11,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from boom_mj.cameras.dataset import Dataset, write_json
+from boom_mj.cameras.dataset import Dataset, read_picture, write_json
 from boom_mj.cameras.formats.labels import each_label
 
 Array = np.ndarray
@@ -119,4 +119,4 @@ def _run_lengths(mask: Array) -> dict[str, Any]:
 
 def _mask(folder: Path, file: str) -> Array | None:
     path = (folder / file.replace("images/", "masks/", 1)).with_suffix(".png")
-    return cv2.imread(str(path), cv2.IMREAD_UNCHANGED) if path.is_file() else None
+    return read_picture(path, cv2.IMREAD_UNCHANGED) if path.is_file() else None

@@ -23,10 +23,11 @@ import numpy as np
 
 from boom_mj.effects import Effect
 from boom_mj.errors import EquilibriumError, InputError, SimulationError
+from boom_mj.files import locked, read_json, sweep, write_text
 from boom_mj.gap.blind.drawing import Order, draw, orders
 from boom_mj.gap.blind.truth import nuisances, true_plant
 from boom_mj.gap.blind.visibility import Eye
-from boom_mj.logs import whole_file, write_mcap
+from boom_mj.logs import write_mcap
 from boom_mj.machine import parse_machine
 from boom_mj.recording import Recording
 from boom_mj.sensors import record
@@ -97,8 +98,6 @@ def make_cases(
         raise InputError(f"{seal}: the seal must lie outside {folder}")
     if len(secret) < SECRET:
         raise InputError(f"the seed file holds {len(secret)} bytes; at least {SECRET} are needed to keep the secret")
-    if (folder / "seal.sha256").exists():
-        raise InputError(f"{folder} holds a sealed campaign already")
     digest = sha256(b"blind cases" + secret).digest()  # not the hash that may be published
     entropy = tuple(int(word) for word in np.frombuffer(digest, "<u4"))
     drawn = orders(cases, mix, np.random.default_rng(entropy))
@@ -107,22 +106,35 @@ def make_cases(
         for k, order in enumerate(drawn)
     ]
     parts = seal.with_suffix(".parts")
-    parts.mkdir(parents=True, exist_ok=True)
-    folder.mkdir(parents=True, exist_ok=True)
+    if (folder / "seal.sha256").exists() and not parts.exists():  # with its parts, sealing was interrupted
+        raise InputError(f"{folder} holds a sealed campaign already")
+    with locked(folder), locked(parts):
+        yield from _made(todo, secret, digest, machine, folder, seal, parts, jobs, cluster)
+
+
+def _made(
+    todo: list[_Case],
+    secret: bytes,
+    digest: bytes,
+    machine: str,
+    folder: Path,
+    seal: Path,
+    parts: Path,
+    jobs: int,
+    cluster: str | None,
+) -> Iterator[int]:
+    """Make the cases that are not done, and seal."""
     waiting = [case for case in todo if not (parts / f"{case.name}.json").exists()]
     yield len(todo) - len(waiting)
     for number, (case, answer) in enumerate(results(_make, waiting, jobs, cluster), len(todo) - len(waiting) + 1):
         _write_json(parts / f"{case.name}.json", answer)
         yield number
-    answers = {case.name: json.loads((parts / f"{case.name}.json").read_text()) for case in todo}
+    answers = {case.name: read_json(parts / f"{case.name}.json", InputError) for case in todo}
     salt = {"salt": _hash(digest, "salt", 0), "seed_sha256": sha256(secret).hexdigest()}
     _write_json(seal, {**salt, "cases": dict(sorted(answers.items()))})
-    with whole_file(folder / "machine.toml") as stream:
-        stream.write(machine.encode())
-    with whole_file(folder / "seal.sha256") as stream:
-        stream.write(f"{sha256(seal.read_bytes()).hexdigest()}\n".encode())
-    for half in folder.rglob(".*.part"):  # of processes that died
-        half.unlink()
+    write_text(folder / "machine.toml", machine)
+    write_text(folder / "seal.sha256", f"{sha256(seal.read_bytes()).hexdigest()}\n")
+    sweep(folder.rglob(".*.part"))
     _same_times(folder)
     for part in parts.iterdir():
         part.unlink()
@@ -134,8 +146,7 @@ def _hash(digest: bytes, purpose: str, number: int) -> str:
 
 
 def _write_json(path: Path, content: Any) -> None:
-    with whole_file(path) as stream:
-        stream.write((json.dumps(content, indent=1) + "\n").encode())
+    write_text(path, json.dumps(content, indent=1) + "\n")
 
 
 def _make(case: _Case) -> dict[str, Any]:

@@ -12,11 +12,12 @@ from hashlib import sha256
 from pathlib import Path
 
 from boom_mj.errors import InputError
+from boom_mj.files import locked, read_bytes, read_json, read_text, write_text
 from boom_mj.gap.answer import document
 from boom_mj.gap.blind.confining import confined_to
 from boom_mj.gap.campaign import Campaign
 from boom_mj.gap.diagnose import diagnose
-from boom_mj.logs import read_log, whole_file
+from boom_mj.logs import read_log
 from boom_mj.machine import parse_machine
 from boom_mj.spreading import spread
 
@@ -29,9 +30,9 @@ def waiting_cases(folder: Path, answers: Path) -> tuple[list[Path], int]:
     """
     if not (folder / "seal.sha256").is_file():
         raise InputError(f"{folder} holds no sealed campaign: there is no seal.sha256")
-    published = (folder / "seal.sha256").read_text().strip()
+    published = read_text(folder / "seal.sha256", InputError).strip()
     for path in sorted(folder.rglob("*")):
-        if path.is_file() and sha256(path.read_bytes()).hexdigest() == published:
+        if path.is_file() and sha256(read_bytes(path, InputError)).hexdigest() == published:
             raise InputError(f"{path} is the seal: a campaign must not be run with its answers inside")
     cases = sorted(path.parent for path in folder.glob("*/withhold.json"))
     return [case for case in cases if not (answers / f"{case.name}.json").exists()], len(cases)
@@ -47,22 +48,21 @@ def answer_cases(
         answers: folder for the answers.
         jobs, cluster: see `spread`.
     """
-    answers.mkdir(parents=True, exist_ok=True)
-    for done in spread(partial(solve, machine=machine), [case.resolve() for case in cases], jobs, cluster):
-        try:
-            with whole_file(answers / f"{done.item.name}.json") as stream:
-                stream.write(done.result().encode())
-        except Exception as error:  # one bad case must not end the campaign
-            yield done.item, error
-        else:
-            yield done.item, None
+    with locked(answers):
+        for done in spread(partial(solve, machine=machine), [case.resolve() for case in cases], jobs, cluster):
+            try:
+                write_text(answers / f"{done.item.name}.json", done.result())
+            except Exception as error:  # one bad case must not end the campaign
+                yield done.item, error
+            else:
+                yield done.item, None
 
 
 def solve(case: Path, machine: str) -> str:
     """The answer to one case as JSON, by a process that can open nothing but the case."""
     began = time.perf_counter()
     with confined_to(case):
-        without = tuple(json.loads((case / "withhold.json").read_text())["without"])
+        without = tuple(read_json(case / "withhold.json", InputError)["without"])
         train, held_out = (sorted((case / part).glob("*.mcap")) for part in ("train", "holdout"))
         paths = (*train, *held_out)
         campaign = Campaign(parse_machine(machine), [read_log(path) for path in paths], len(train), threads=1)

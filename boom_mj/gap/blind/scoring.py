@@ -4,19 +4,21 @@ A case without an answer counts as a miss of every figure that it belongs to; in
 of quantiles come from the bootstrap.
 """
 
-import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from boom_mj.errors import InputError
+from boom_mj.files import read_bytes, read_json, read_text
 from boom_mj.gap.blind.judging import NO_ANSWER, Outcome, judge_case
 
 Array = np.ndarray
+T = TypeVar("T")
 SURE = 1.959964  # deviations of a 95 % interval
 DRAWS = 2000
 
@@ -67,14 +69,23 @@ def score(folder: Path, seal: Path, answers: Path) -> Score:
     """
     if not (folder / "seal.sha256").is_file():
         raise InputError(f"{folder} holds no sealed campaign: there is no seal.sha256")
-    published, content = (folder / "seal.sha256").read_text().strip(), seal.read_bytes()
+    published, content = read_text(folder / "seal.sha256", InputError).strip(), read_bytes(seal, InputError)
     if (found := sha256(content).hexdigest()) != published:
         raise InputError(f"{seal} is not the seal of {folder}: its hash is {found}, published was {published}")
-    sealed, outcomes = json.loads(content), []
-    for case, truth in sealed["cases"].items():
-        answer = answers / f"{case}.json"
-        outcomes.append(judge_case(case, truth, json.loads(answer.read_text()) if answer.exists() else NO_ANSWER))
-    return Score(tuple(outcomes), tuple(figures(outcomes)), sealed["seed_sha256"], published)
+    sealed, outcomes = read_json(seal, InputError), []
+    for case, truth in _of_its_kind(seal, "seal", lambda: [*sealed["cases"].items()]):
+        path = answers / f"{case}.json"
+        answer = read_json(path, InputError) if path.exists() else NO_ANSWER
+        outcomes.append(_of_its_kind(path, "answer to its case", partial(judge_case, case, truth, answer)))
+    return Score(tuple(outcomes), tuple(figures(outcomes)), str(sealed.get("seed_sha256")), published)
+
+
+def _of_its_kind(path: Path, kind: str, use: Callable[[], T]) -> T:
+    """What is made of a JSON file, which need not hold what belongs there."""
+    try:
+        return use()
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        raise InputError(f"{path} holds no {kind}: {type(error).__name__} {error}") from error
 
 
 def wilson(hits: int, count: int) -> tuple[float, float]:

@@ -3,14 +3,16 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-import mujoco
-
 from boom_mj.errors import InputError
+from boom_mj.files import inside
 from boom_mj.gap.campaign import Campaign
 from boom_mj.gap.diagnose import Diagnosis
 from boom_mj.gap.mjcf.channel_map import load_channel_map
+from boom_mj.gap.mjcf.model_file import load_model
 from boom_mj.gap.mjcf.robot import Robot
 from boom_mj.gap.mjcf.stretches import noise_of, split, stretches_of
+
+MOST_STEPS = 10**6  # of a stretch
 
 
 def robot_campaign(
@@ -24,12 +26,10 @@ def robot_campaign(
     channels = load_channel_map(map_file)
     if model_file is None and not channels.model:
         raise InputError(f"{map_file} names no model; say which with --model")
-    path = model_file or map_file.parent / channels.model
-    try:
-        spec = mujoco.MjSpec.from_file(str(path))
-        spec.copy().compile()
-    except ValueError as error:
-        raise InputError(f"{path} is no MJCF model: {error}") from error
+    path = model_file or inside(map_file.parent, channels.model, InputError, map_file)
+    spec = load_model(path)
+    if channels.window > MOST_STEPS * spec.option.timestep:
+        raise InputError(f"{path}: {spec.option.timestep} s is too short a step for a window of {channels.window} s")
     learnt, judged = [], []
     for log in logs:
         found = stretches_of(log, channels)

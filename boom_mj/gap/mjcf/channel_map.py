@@ -3,14 +3,15 @@
 A channel's value in SI is `scale * logged + offset`; `docs/any_machine.md` explains the file.
 """
 
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, PositiveFloat, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
 
-from boom_mj.errors import ChannelMapError
+from boom_mj.errors import ChannelMapError, shown
+from boom_mj.files import parse_toml, read_text
+from boom_mj.machine.fields import NonNegative, Positive
 
 Role = Literal["drive", "control", "compare"]
 Quantity = Literal["position", "velocity", "force", "command", "sensor"]
@@ -50,9 +51,9 @@ class ChannelEntry(BaseModel):
     offset: FiniteFloat = 0.0
     unit: str = ""
     relative: bool = False
-    limit: PositiveFloat | None = None
-    noise: float = Field(default=0.0, ge=0)
-    zero: float = Field(default=0.0, ge=0)
+    limit: Positive | None = None
+    noise: NonNegative = 0.0
+    zero: NonNegative = 0.0
 
     @model_validator(mode="after")
     def _fits(self) -> Self:
@@ -103,7 +104,7 @@ class Release(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     field: str
-    moves: PositiveFloat
+    moves: Positive
 
 
 class ChannelMap(BaseModel):
@@ -129,17 +130,17 @@ class ChannelMap(BaseModel):
 
     name: str
     time: str
-    time_scale: PositiveFloat = 1.0
+    time_scale: Positive = 1.0
     model: str = ""
-    block: PositiveFloat | None = None
-    window: PositiveFloat = 10.0
-    settle: float = Field(default=0.0, ge=0)
-    cutoff: PositiveFloat = 10.0
-    start: float = Field(default=0.0, ge=0)
-    stop: PositiveFloat | None = None
+    block: Positive | None = None
+    window: Positive = 10.0
+    settle: NonNegative = 0.0
+    cutoff: Positive = 10.0
+    start: NonNegative = 0.0
+    stop: Positive | None = None
     release: Release | None = None
-    repeat: PositiveFloat | None = None
-    independent: PositiveFloat = 1.0
+    repeat: Positive | None = None
+    independent: Positive = 1.0
     train: float = Field(default=0.6, gt=0, lt=1)
     causes: int = Field(default=4, ge=1, le=8)
     channel: tuple[ChannelEntry, ...]
@@ -181,18 +182,14 @@ def load_channel_map(path: Path) -> ChannelMap:
     Raises:
         ChannelMapError: no such file, no TOML, or entries that are wrong; all of them are named.
     """
-    try:
-        return parse_channel_map(path.read_text(encoding="utf-8"), str(path))
-    except (OSError, UnicodeDecodeError) as error:
-        raise ChannelMapError(f"{path} cannot be read: {error}") from error
+    return parse_channel_map(read_text(path, ChannelMapError), str(path))
 
 
 def parse_channel_map(text: str, name: str = "channel map") -> ChannelMap:
     """A channel map from its text; see `load_channel_map`."""
+    content = parse_toml(text, name, ChannelMapError)
     try:
-        return ChannelMap(**tomllib.loads(text))
-    except tomllib.TOMLDecodeError as error:
-        raise ChannelMapError(f"{name} is no TOML: {error}") from error
+        return ChannelMap.model_validate(content)
     except ValidationError as error:
         raise ChannelMapError("\n".join(f"{name}: {_sentence(item)}" for item in error.errors())) from error
 
@@ -205,4 +202,4 @@ def _sentence(item: Any) -> str:
         kinds = ChannelEntry if place.startswith("channel.") else ChannelMap
         return f"{place} is an unknown key; known are {', '.join(kinds.model_fields)}"
     message = item["msg"].removeprefix("Value error, ")
-    return f"{place} = {item['input']!r}: {message}" if place and kind != "value_error" else message
+    return f"{place} = {shown(item['input'])}: {message}" if place and kind != "value_error" else message

@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 from mujoco.batch import Batch
 
-from boom_mj.errors import SimulationError
+from boom_mj.simulation.diverged import diverged
 
 Array = np.ndarray
 HEAVY = 1e6  # armature of a driven joint over its own inertia
@@ -124,7 +124,7 @@ def simulate(model: mujoco.MjModel, course: Course) -> Run:
     record = batch.rollout(count, control[None], record=("qpos", "qvel", "qacc", "sensordata", "actuator_force"))
     qpos[:, 1:], qvel[:, 1:] = record["qpos"], record["qvel"]
     if batch.warning[0].any() or not np.isfinite(qpos[0, -1]).all():
-        raise SimulationError("the simulation left the numbers")
+        raise diverged(model, qpos[0], qvel[0], batch.warning[0], "the model")
     middle = (qvel[0, :-1] + qvel[0, 1:]) / 2
     joints = [model.joint(k) for k in range(model.njnt) if model.joint(k).type[0] in (2, 3)]
     exerted = record["actuator_force"][0] * model.actuator_gear[:, 0]

@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
-from boom_mj.errors import LogError
+from boom_mj.errors import ChannelMapError, LogError
+from boom_mj.files import inside
 from boom_mj.gap.mjcf.channel_map import ChannelEntry, ChannelMap
 from boom_mj.logs.columns import read_columns
 from boom_mj.recording import Recording, Signal
@@ -15,6 +16,7 @@ from boom_mj.sensors.blocks import own_noise
 Array = np.ndarray
 ORDER = 4  # of the Butterworth filter, run both ways
 EDGE = 2.0  # periods of the cutoff
+MOST_STRETCHES = 10_000
 SHORTEST = 0.5  # of a window, below which a rest is left out
 
 
@@ -55,6 +57,8 @@ def stretches_of(path: Path, channels: ChannelMap) -> list[Recording]:
     for entry in channels.channel:
         if entry.relative:
             values[entry.name] = values[entry.name] - np.nanmean(values[entry.name][time <= first])
+    if end - first > MOST_STRETCHES * channels.window:
+        raise LogError(f"{path} lasts {end - first:.4g} s: too long for a window of {channels.window} s")
     begins = np.arange(first, end - SHORTEST * channels.window, channels.window)
     if not begins.size:
         raise LogError(f"{path} lasts {time[-1] - time[0]:.2f} s: too short for a window of {channels.window} s")
@@ -132,7 +136,7 @@ def _table(path: Path, channels: ChannelMap) -> dict[str, Array]:
     found: dict[str, Array] = {}
     for beside in {field.rpartition(":")[0] for field in fields}:
         mine = {field: field.rpartition(":")[2] for field in fields if field.rpartition(":")[0] == beside}
-        columns = read_columns(path.parent / beside if beside else path, mine.values())
+        columns = read_columns(inside(path.parent, beside, ChannelMapError, path) if beside else path, mine.values())
         found |= {field: columns[name] for field, name in mine.items()}
     return found
 

@@ -8,9 +8,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import IO
 
-import lz4.frame
 import numpy as np
-import zstandard
 from mcap import records
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
@@ -18,10 +16,12 @@ from mcap.writer import MCAP0_MAGIC
 
 from boom_mj.errors import LogError, LogWarning
 from boom_mj.logs.channel import Batch, Channel, Format, Labels, Wanted
+from boom_mj.logs.inflating import Inflater
 
 HEAD = struct.Struct("<BQ")  # of a record: opcode, length
 MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
 CHUNK = struct.Struct("<QQQII")  # start, end, size and checksum of the content, length of the compression's name
+LARGEST = 2**30  # bytes of a record
 BATCH = 2**22  # bytes of messages that are handed on together
 
 
@@ -45,6 +45,7 @@ class _McapFile:
     def __init__(self, path: Path, stream: IO[bytes], wanted: Wanted) -> None:
         self.path, self.stream, self.wanted = path, stream, wanted
         self.size = stream.seek(0, 2)
+        self.inflater = Inflater(self.size)
         stream.seek(self.size - len(MCAP0_MAGIC))
         self.whole = stream.read() == MCAP0_MAGIC and self.size > len(MCAP0_MAGIC)
         self.schemas: dict[int, records.Schema] = {}
@@ -65,7 +66,9 @@ class _McapFile:
         ended = False
         while not ended and len(head := self.stream.read(HEAD.size)) == HEAD.size:
             opcode, length = HEAD.unpack(head)
-            content = self.stream.read(min(length, self.size))
+            if min(length, self.size) > LARGEST:
+                raise ValueError(f"a record of {length} bytes; up to {LARGEST} are read")
+            content = self.stream.read(length)
             cut = len(content) < length
             if cut and self.whole:
                 raise ValueError(f"a record of {length} bytes where only {len(content)} are left")
@@ -102,8 +105,10 @@ class _McapFile:
         if cut and len(content) < CHUNK.size + 16:
             return
         _, end, size, expected, name = CHUNK.unpack_from(content)
+        if size > LARGEST:
+            raise ValueError(f"a chunk of {size} bytes; up to {LARGEST} are read")
         compression = content[CHUNK.size : CHUNK.size + name].decode()
-        data = _inflate(content[CHUNK.size + name + 8 :], compression)
+        data = self.inflater.inflate(content[CHUNK.size + name + 8 :], compression, size)
         if not cut and (len(data) != size or (expected and zlib.crc32(data) != expected)):
             raise ValueError("the checksum of a chunk does not fit")
         at = 0
@@ -158,14 +163,3 @@ class _McapFile:
                     yield Batch(self.channels[number], np.array(times, np.int64), messages)
                     self.waiting[number] = [], []
             self.held = 0
-
-
-def _inflate(data: bytes, compression: str) -> bytes:
-    """Content of a chunk; of a broken one what is there."""
-    if compression == "":
-        return data
-    if compression == "zstd":
-        return zstandard.ZstdDecompressor().decompressobj().decompress(data)
-    if compression == "lz4":
-        return bytes(lz4.frame.LZ4FrameDecompressor().decompress(data))
-    raise ValueError(f"compression {compression} is not supported; zstd, lz4 and none are")

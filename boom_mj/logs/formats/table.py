@@ -6,7 +6,7 @@ A table is one topic, "table", whose times are those of its time column, if a to
 import csv
 import gzip
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
 from pathlib import Path
 from typing import IO
@@ -15,18 +15,34 @@ import numpy as np
 
 from boom_mj.errors import LogError
 from boom_mj.logs.channel import Array, Batch, Channel, Format, Labels, Wanted
+from boom_mj.logs.inflating import Inflater
 
 TOPIC = "table"
 SUFFIXES = (".csv", ".csv.gz", ".tsv", ".tsv.gz")
+LONGEST = 2**20  # characters of a line
 BATCH = 8192  # rows that are handed on together
 
 
 def _read(path: Path, wanted: Wanted) -> Iterator[Batch | Labels]:
+    if wanted(TOPIC):
+        yield from _rows(path, lines(path))
+
+
+def lines(path: Path) -> Iterator[str]:
+    """Lines of a text, also of a compressed one, within bounds.
+
+    Raises:
+        LogError: damage, a line longer than LONGEST, or what inflates to far more than it is.
+    """
     try:
+        inflater = Inflater(path.stat().st_size)
         with _text(path) as stream:
-            if wanted(TOPIC):
-                yield from _rows(path, stream)
-    except (UnicodeDecodeError, csv.Error, EOFError, zlib.error, gzip.BadGzipFile) as error:
+            while line := stream.readline(LONGEST + 1):
+                if len(line) > LONGEST:
+                    raise LogError(f"{path} is no table: it has a line of more than {LONGEST} characters")
+                inflater.count(len(line))
+                yield line
+    except (ValueError, EOFError, zlib.error, OSError) as error:
         raise LogError(f"{path} is damaged: {error}") from error
 
 
@@ -36,20 +52,32 @@ def _text(path: Path) -> IO[str]:
     return path.open(encoding="utf-8-sig", newline="")
 
 
-def _rows(path: Path, stream: IO[str]) -> Iterator[Batch]:
-    first = stream.readline()
+def cells(path: Path, text: Iterable[str], between: str) -> Iterator[list[str]]:
+    """Rows of a table but the empty ones.
+
+    Raises:
+        LogError: a cell that does not end.
+    """
+    try:
+        yield from (row for row in csv.reader(text, delimiter=between) if row)
+    except csv.Error as error:
+        raise LogError(f"{path} is damaged: {error}") from error
+
+
+def _rows(path: Path, text: Iterator[str]) -> Iterator[Batch]:
+    first = next(text, "")
     if not first.strip():
         raise LogError(f"{path} is empty")
     between = max(",;\t", key=first.count)
-    names = [name.strip() for name in next(csv.reader([first], delimiter=between))]
+    names = [name.strip() for name in next(cells(path, [first], between))]
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise LogError(f"{path} has several columns called {', '.join(map(repr, twice))}")
     if not any(name and not _is_number(name) for name in names):
         raise LogError(f"{path} has no names in its first line, which begins {first[:40]!r}")
     channel = Channel(1, TOPIC, "columns", "row", "", "\n".join(names).encode())
     yield Batch(channel, np.empty(0, np.int64), [])
-    reader, done = csv.reader(stream, delimiter=between), 0
-    while rows := [row for row in islice(reader, BATCH) if row]:
+    reader, done = cells(path, text, between), 0
+    while rows := list(islice(reader, BATCH)):
         yield Batch(channel, np.arange(done, done + len(rows)), _numbers(path, rows, names, between == ";", done))
         done += len(rows)
 
@@ -64,12 +92,15 @@ def _numbers(path: Path, rows: list[list[str]], names: list[str], comma: bool, d
     try:
         return np.array(rows, dtype=np.float64)
     except ValueError:
-        return np.array([[_number(cell) for cell in row] for row in rows])
+        return np.column_stack([numbers(column) for column in zip(*rows)])
 
 
-def _number(cell: str) -> float:
-    """Value of a cell; NaN for one that is empty or a text, which only counts if the column is asked for."""
-    return float(cell) if _is_number(cell) else np.nan
+def numbers(cells: Sequence[str]) -> Array:
+    """Values of a column; NaN where it is empty or a text, which only counts if the column is asked for."""
+    try:
+        return np.array(cells, dtype=np.float64)
+    except ValueError:
+        return np.array([float(cell) if _is_number(cell) else np.nan for cell in cells])
 
 
 def _is_number(cell: str) -> bool:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from boom_mj.calibration import Validation, document
-from boom_mj.logs import whole_file
+from boom_mj.files import write_text
 from boom_mj.report.calibration import left, motion, parameters, series, spectra, stationary
 from boom_mj.report.templating import page_environment
 from boom_mj.report.words import percent
@@ -18,9 +18,7 @@ def write_calibration(shown: Validation, names: Sequence[str], path: Path) -> No
     Args:
         names: of the logs that the calibration has seen.
     """
-    text = calibration_page(shown, names)
-    with whole_file(Path(path)) as stream:
-        stream.write(text.encode())
+    write_text(path, calibration_page(shown, names))
 
 
 def calibration_page(shown: Validation, names: Sequence[str]) -> str:

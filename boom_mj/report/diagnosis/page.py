@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from boom_mj.files import write_text
 from boom_mj.gap import Diagnosis, document
-from boom_mj.logs import whole_file
 from boom_mj.report.diagnosis import boom, change, ladder, left, overlays, verdict, where
 from boom_mj.report.diagnosis.view import View
 from boom_mj.report.templating import page_environment
@@ -19,9 +19,7 @@ def write_diagnosis(found: Diagnosis, names: Sequence[str], path: Path) -> None:
     Args:
         names: of the logs, training first, as the answer lists them.
     """
-    text = diagnosis_page(found, names)
-    with whole_file(Path(path)) as stream:
-        stream.write(text.encode())
+    write_text(path, diagnosis_page(found, names))
 
 
 def diagnosis_page(found: Diagnosis, names: Sequence[str]) -> str:

@@ -1,0 +1,22 @@
+"""MuJoCo, imported whatever MUJOCO_GL says, and kept from leaving files where one works.
+
+MuJoCo refuses to be imported while MUJOCO_GL names no way to draw, even where nothing is drawn. Here it is imported
+without the variable then; who draws refuses (`cameras.studio`).
+"""
+
+import os
+
+NAME = "MUJOCO_GL"
+
+try:
+    import mujoco as mujoco
+except RuntimeError:
+    _given = os.environ.pop(NAME)
+    import mujoco as mujoco
+
+    os.environ[NAME] = _given
+
+
+def keep_no_log() -> None:
+    """Let MuJoCo's warnings be: it writes them into a file where one works; ours name the joint."""
+    mujoco.set_mju_user_warning(lambda text: None)
