@@ -12,6 +12,7 @@ from boom_mj.gap.diagnose import Diagnosis
 from boom_mj.gap.judge import Judged, gap
 from boom_mj.gap.where import in_words, locate, looks
 
+Array = np.ndarray
 SURE = 1.96  # deviations of a 95 % interval
 SHOWN = 0.002  # smallest share of a cell that is listed by itself
 
@@ -153,6 +154,18 @@ def estimated_tolerances(found: Diagnosis) -> tuple[Effect, ...]:
                     values.setdefault(place, {})[name] = float(np.clip(size, *whole.parameters[name].bounds))
                     kinds[place] = type(whole)
     return tuple(kinds[place](dict(place[1]), **sizes) for place, sizes in values.items())
+
+
+def twins(found: Diagnosis, corrected: bool) -> list[dict[str, Array]]:
+    """What every recording's sensors would have said, by signal, at its own times, (n, k) each.
+
+    Args:
+        corrected: of the best explanation, or of the nominal machine; both have the tolerances that were estimated.
+    """
+    campaign = found.metric.campaign
+    effects = (*estimated_tolerances(found), *(found.best.fit.effects if corrected and found.best else ()))
+    level = campaign.subject.fidelity.middle
+    return [campaign.twin(effects, level, index) for index in range(len(campaign.recordings))]
 
 
 def _toml(effect: Effect) -> str:

@@ -6,6 +6,7 @@ A field is a path: `qm`, `ScopeData.signals.values[2]`, `positions[0]`, and of b
 
 import csv
 import gzip
+import io
 import json
 import re
 import zlib
@@ -20,6 +21,7 @@ from boom_mj.logs.channel import Batch
 from boom_mj.logs.encodings import decoder_of
 from boom_mj.logs.formats import format_of, log_file
 from boom_mj.logs.formats.table import SUFFIXES, _text
+from boom_mj.logs.writing import whole_file
 
 Array = np.ndarray
 FIELD = re.compile(r"^(?P<stem>.*?)(\[(?P<column>\d+)\])?$")
@@ -43,6 +45,17 @@ def read_columns(path: Path, fields: Iterable[str]) -> dict[str, Array]:
         table = _csv(path)
         return {field: _within(path, table, field) for field in fields}
     return _messages(path, tuple(fields))
+
+
+def write_columns(path: Path, columns: Mapping[str, Array]) -> None:
+    """Write numbers, (n,) each, as a CSV table."""
+    with whole_file(path) as stream:
+        text = io.TextIOWrapper(stream, newline="")
+        table = csv.writer(text)
+        table.writerow(columns)
+        table.writerows([f"{value:.9g}" for value in row] for row in zip(*columns.values()))
+        text.flush()
+        text.detach()
 
 
 def _within(path: Path, table: Mapping[str, Any], field: str) -> Array:
