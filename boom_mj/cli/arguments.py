@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from boom_mj.errors import InputError
-from boom_mj.machine import Machine, load_machine
+from boom_mj.machine import Beam, Machine, load_machine, load_model
 
 MachineFile = Annotated[str, typer.Argument(metavar="MACHINE.toml", help="Machine file, or a name such as boom36.")]
 Hinges = Annotated[int, typer.Option(min=1, max=32, help="Equivalent hinges per elastic coordinate of each link.")]
@@ -16,6 +16,11 @@ MODELS = tuple(folder / "models" for folder in (Path(__file__).parents[1], Path(
 def find_machine(name: str) -> Machine:
     """A machine from a file, or from the models that come with the package by its name."""
     return load_machine(_machine_path(name))
+
+
+def find_model(name: str) -> Machine | Beam:
+    """A machine of any kind, found like `find_machine`."""
+    return load_model(_machine_path(name))
 
 
 def machine_text(name: str) -> str:

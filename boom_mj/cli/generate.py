@@ -5,9 +5,10 @@ from typing import Annotated
 
 import typer
 
-from boom_mj.cli.arguments import Hinges, MachineFile, find_machine, output_path
+from boom_mj.cli.arguments import Hinges, MachineFile, find_model, output_path
 from boom_mj.logs import whole_file
-from boom_mj.mjcf import build
+from boom_mj.machine import Beam
+from boom_mj.mjcf import build, build_beam
 
 
 def command(
@@ -20,7 +21,10 @@ def command(
     """Write the MJCF model, which stock MuJoCo opens: python -m mujoco.viewer --mjcf=MODEL.xml"""
     if output is not None:
         output_path(output, ".xml")
-    text = build(find_machine(machine), hinges).to_xml()
+    found = find_model(machine)
+    spec = build_beam(found, hinges) if isinstance(found, Beam) else build(found, hinges).spec
+    spec.compile()
+    text = spec.to_xml()
     if output is None:
         print(text, end="")
         return

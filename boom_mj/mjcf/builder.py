@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 from scipy.linalg import eigvalsh
 
-from boom_mj.machine import AXES, Machine
+from boom_mj.machine import AXES, Elastic, Machine
 from boom_mj.mjcf import scene
 from boom_mj.mjcf.hinges import HingeChain, hinge_chains
 from boom_mj.mjcf.inertia import RigidInertia, beam_axis, segment_inertias
@@ -75,7 +75,7 @@ def build(machine: Machine, hinges: int = 1) -> BoomModel:
 
     base = spec.worldbody.add_body(name="base")
     turret = base.add_body(name="turret", pos=[0, 0, machine.slewing.pivot_height], quat=[1, 1, 0, 0])
-    _set_inertia(
+    set_inertia(
         turret, RigidInertia(1e-3, np.zeros(3), 1e-3 * np.eye(3))
     )  # turns with a drive: its inertia is no matter
     scene.draw_turret(turret, machine)
@@ -94,7 +94,7 @@ def build(machine: Machine, hinges: int = 1) -> BoomModel:
         rope = spec.add_actuator(name=f"rope_{axis}", target="tip", refsite="world", trntype=mujoco.mjtTrn.mjTRN_SITE)
         rope.gear = np.eye(6)[k]
     _tune_drives(spec, machine)
-    spec.option.timestep = _stable_step(spec, machine)
+    spec.option.timestep = stable_step(spec, machine)
     return BoomModel(machine, spec, chains)
 
 
@@ -111,7 +111,7 @@ def _add_link(
     for k, inertia in enumerate(inertias):
         root = np.array([link.length, 0.0, link.offset])
         body = body.add_body(name=link.name if k == 0 else f"{link.name}_{k + 1}", pos=root if k == 0 else [0, 0, 0])
-        _set_inertia(body, inertia)
+        set_inertia(body, inertia)
         if k == 0:
             _add_drive(body, machine, index + 1, -root, np.array([0.0, 0.0, 1.0]))
         for name in ("v", "w", "torsion") if k else ():
@@ -177,7 +177,7 @@ def _tune_drives(spec: mujoco.MjSpec, machine: Machine) -> None:
         servo.set_to_position(kp=own * omega**2, kv=1.4 * own * omega)
 
 
-def _stable_step(spec: mujoco.MjSpec, machine: Machine) -> float:
+def stable_step(spec: mujoco.MjSpec, machine: Elastic) -> float:
     """TIMESTEP, or the largest whole fraction of it at which the fastest hinge is stable.
 
     Springs are integrated explicitly, which bears omega h < 2; their damping implicitly, which from a relaxation time
@@ -195,7 +195,8 @@ def _stable_step(spec: mujoco.MjSpec, machine: Machine) -> float:
     return TIMESTEP / int(np.ceil(TIMESTEP * fastest / STABLE_PHASE))
 
 
-def _set_inertia(body: mujoco.MjsBody, inertia: RigidInertia) -> None:
+def set_inertia(body: mujoco.MjsBody, inertia: RigidInertia) -> None:
+    """Mass, centre of mass and inertia of a body in its own frame."""
     tensor = inertia.tensor
     body.explicitinertial = True
     body.mass, body.ipos = inertia.mass, inertia.center
