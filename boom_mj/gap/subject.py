@@ -101,6 +101,7 @@ class Subject(ABC):
         worth: share of the remaining gap that another effect must close.
         spill: share of the mean square that effects took away, which their own inaccuracy may leave.
         words: for people.
+        repeat: period of a motion that the recordings repeat, s, if they do.
         listening: signal in which periodic effects show as spectral lines, if there is one.
     """
 
@@ -113,6 +114,7 @@ class Subject(ABC):
     worth: float
     spill: float
     words: Words
+    repeat: float | None = None
     listening: ClassVar[str | None] = None
 
     @property

@@ -48,7 +48,7 @@ class Robot(Subject):
         check(spec, channels)
         self._noise = {name: np.array([level]) for name, level in noise.items()}
         self.spec, self.channels = spec, channels
-        self.causes = channels.causes
+        self.causes, self.repeat = channels.causes, channels.repeat
         self.block, self.window, self.still = channels.block_s, channels.independent, 1e-9
         self.bands: tuple[Band, ...] = (("static", 0.2), ("slow", 1.0), ("middle", 5.0), ("above", np.inf))
         self.words = Words(
