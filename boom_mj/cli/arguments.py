@@ -11,7 +11,7 @@ import typer
 
 from boom_mj.errors import InputError, MachineFileError, SimulationError
 from boom_mj.files import read_text, sweep, write_text
-from boom_mj.machine import Machine, load_machine, machine_file
+from boom_mj.machine import Beam, Machine, load_machine, load_model, machine_file
 
 MachineFile = Annotated[str, typer.Argument(metavar="MACHINE.toml", help="Machine file, or a name such as boom36.")]
 Hinges = Annotated[int, typer.Option(min=1, max=32, help="Equivalent hinges per elastic coordinate of each link.")]
@@ -25,6 +25,11 @@ Cluster = Annotated[
 def find_machine(name: str) -> Machine:
     """A machine from a file, or from the models that come with the package by its name."""
     return load_machine(name)
+
+
+def find_model(name: str) -> Machine | Beam:
+    """A machine of any kind, found like `find_machine`."""
+    return load_model(name)
 
 
 def machine_text(name: str) -> str:

@@ -17,6 +17,7 @@ from boom_mj.effects.general_effect import general_library
 from boom_mj.errors import InputError
 from boom_mj.files import locked, write_text
 from boom_mj.logs import read_log, write_mcap
+from boom_mj.logs.columns import write_columns
 from boom_mj.recording import Recording, named_signal
 
 app = typer.Typer(help="Diagnose the gap between simulator and machine.", no_args_is_help=True)
@@ -76,7 +77,8 @@ def diagnose(
         Path | None, typer.Option("-o", metavar="CORRECTED.toml", help="Machine file with the effects in it.")
     ] = None,
     predictions: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Nominal and corrected twin of every log, as MCAP.")
+        Path | None,
+        typer.Option(metavar="DIR", help="Nominal and corrected twin of every log, as MCAP; as CSV with --map."),
     ] = None,
     without: Annotated[
         list[str] | None, typer.Option(metavar="ID", help="Effect to leave out of the library; several may be given.")
@@ -98,10 +100,8 @@ def diagnose(
 
     if model is not None and channels is None:
         raise InputError("--model needs a channel map: say which field of the log is what with --map MAP.toml")
-    if channels is not None:
-        given = {"--machine": machine, "--html": html, "--predictions": predictions}
-        if wrong := [name for name, value in given.items() if value is not None]:
-            raise InputError(f"{', '.join(wrong)} goes with booms only; with --map there are --json and -o MODEL.xml")
+    if channels is not None and machine is not None:
+        raise InputError("--machine goes with booms only; with --map the model is --model MODEL.xml")
     table = None if as_json in (None, "-") else Path(str(as_json))
     for path, suffix in ((html, ".html"), (output, ".xml" if channels else ".toml"), (table, None)):
         if path is not None:
@@ -168,13 +168,28 @@ def _summary(answer: dict[str, Any]) -> str:
 
 
 def _write_predictions(found: Any, folder: Path, paths: list[Path]) -> None:
-    from boom_mj.gap import estimated_tolerances
+    from boom_mj.gap import twins
+    from boom_mj.gap.mjcf import Robot, twin_tables
 
-    tolerances = estimated_tolerances(found)
-    corrected = (*tolerances, *(found.best.fit.effects if found.best else ()))
-    for kind, hypothesis in (("nominal", tolerances), ("corrected", corrected)):
-        for index, (log, path) in enumerate(zip(found.metric.campaign.recordings, paths)):
-            twin = found.metric.campaign.twin(hypothesis, found.metric.campaign.subject.fidelity.middle, index)
+    folder.mkdir(parents=True, exist_ok=True)
+    campaign, stems = found.metric.campaign, _stems(paths)
+    for kind in ("nominal", "corrected"):
+        said = twins(found, kind == "corrected")
+        if isinstance(campaign.subject, Robot):
+            for log_path, table in twin_tables(campaign, said).items():
+                write_columns(folder / f"{stems[Path(log_path)]}.{kind}.csv", table)
+            continue
+        for log, path, twin in zip(campaign.recordings, paths, said):
             signals = {name: named_signal(name, log[name].time, values) for name, values in twin.items()}
             recording = Recording(log.name, log.machine, f"{kind} twin: {log.description}", signals)
-            write_mcap(recording, folder / f"{path.stem}.{kind}.mcap")
+            write_mcap(recording, folder / f"{stems[path]}.{kind}.mcap")
+
+
+def _stems(paths: list[Path]) -> dict[Path, str]:
+    """File names without endings, numbered where they are alike."""
+    stems: dict[Path, str] = {}
+    for path in dict.fromkeys(paths):
+        stem = Path(path.name.removesuffix(".gz")).stem
+        alike = sum(taken.rpartition("-")[0] == stem or taken == stem for taken in stems.values())
+        stems[path] = f"{stem}-{alike + 1}" if alike else stem
+    return stems

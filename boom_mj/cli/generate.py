@@ -5,9 +5,10 @@ from typing import Annotated
 
 import typer
 
-from boom_mj.cli.arguments import Hinges, MachineFile, find_machine, output_path
+from boom_mj.cli.arguments import Hinges, MachineFile, find_model, output_path
 from boom_mj.files import write_text
-from boom_mj.mjcf import build
+from boom_mj.machine import Beam
+from boom_mj.mjcf import build, build_beam
 
 
 def command(
@@ -23,7 +24,13 @@ def command(
     """
     if output is not None:
         output_path(output, ".xml")
-    text = build(find_machine(machine), hinges).to_xml()
+    found = find_model(machine)
+    if isinstance(found, Beam):
+        spec = build_beam(found, hinges)
+        spec.compile()
+        text = spec.to_xml()
+    else:
+        text = build(found, hinges).to_xml()
     if output is None:
         print(text, end="")
         return

@@ -2,6 +2,7 @@
 
 from boom_mj.gap.answer import document as document
 from boom_mj.gap.answer import estimated_tolerances as estimated_tolerances
+from boom_mj.gap.answer import twins as twins
 from boom_mj.gap.answer import with_effects as with_effects
 from boom_mj.gap.answer import with_effects_text as with_effects_text
 from boom_mj.gap.campaign import Campaign as Campaign

@@ -14,6 +14,7 @@ from boom_mj.gap.metric import of_size
 from boom_mj.gap.where import in_words, locate, looks
 from boom_mj.machine import EffectEntry, Machine
 
+Array = np.ndarray
 SURE = 1.96  # deviations of a 95 % interval
 SHOWN = 0.002  # smallest share of a cell that is listed by itself
 
@@ -148,6 +149,18 @@ def estimated_tolerances(found: Diagnosis) -> tuple[Effect, ...]:
     effects = found.best.fit.effects if found.best else ()
     estimate = metric.estimate(metric.residual(*metric.predict([effects])))
     return of_size([t.beside(effects) for t in metric.nuisances], estimate)
+
+
+def twins(found: Diagnosis, corrected: bool) -> list[dict[str, Array]]:
+    """What every recording's sensors would have said, by signal, at its own times, (n, k) each.
+
+    Args:
+        corrected: of the best explanation, or of the nominal machine; both have the tolerances that were estimated.
+    """
+    campaign = found.metric.campaign
+    effects = (*estimated_tolerances(found), *(found.best.fit.effects if corrected and found.best else ()))
+    level = campaign.subject.fidelity.middle
+    return [campaign.twin(effects, level, index) for index in range(len(campaign.recordings))]
 
 
 def _entries(found: Diagnosis) -> list[dict[str, Any]]:

@@ -9,7 +9,7 @@ import numpy as np
 from boom_mj.effects import AngleEffect, Effect, SignalEffect, effect_library, effects_of, make_effect
 from boom_mj.gap.next_experiment import next_experiment
 from boom_mj.gap.push import pushes
-from boom_mj.gap.subject import Fidelity, Hypothesis, Push, Subject, Tolerance
+from boom_mj.gap.subject import Fidelity, Hypothesis, Push, Subject, Tolerance, Words
 from boom_mj.machine import Machine
 from boom_mj.mjcf import BoomModel, build
 from boom_mj.recording import Recording, Signal
@@ -73,6 +73,13 @@ class Boom(Subject):
     bands = (("static", 0.2), ("first mode", 0.8), ("second mode", 2.5), ("above", np.inf))
     fidelity = Fidelity(COARSE, HINGES, FINE, 1 - (HINGES / FINE) ** ORDER)
     causes, worth, spill = 2, 0.5, 0.01
+    words = Words(
+        phases=("hold", "start", "move", "slew", "reversal", "after motion", "after release"),
+        learnt=f"the first {LEARNT:.0%}",
+        finer="more hinges",
+        zero=NUISANCE,
+        frames="Accelerometers and gyroscopes: x along the link, y up, z to the side. Markers: world, z up.",
+    )
     listening = "imu/link5/specific_force"
 
     def __init__(self, machine: Machine) -> None:
@@ -126,6 +133,13 @@ class Boom(Subject):
 
     def place(self, group: str) -> tuple[str, str, str]:
         return sensor_place(group)
+
+    def place_name(self, sensor: str, link: str) -> str:
+        return f"cylinder {link[-1]}" if sensor == "cylinder" else f"{sensor}, link {link[-1]}"
+
+    def group_name(self, group: str) -> str:
+        sensor, link, direction = sensor_place(group)
+        return f"{self.place_name(sensor, link)}, {direction}"
 
     def motion(self, log: Recording, time: Array) -> Array:
         joints = log[DRIVE]

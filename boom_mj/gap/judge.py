@@ -56,15 +56,18 @@ def deviations(metric: Metric, found: Fit) -> Array:
     """Standard deviations of the coordinates: H^-1 (sum g g^T) H^-1 with scores g summed over what is correlated.
 
     H = J^T P J + 1 / PRIOR^2, with P what nuisances with their priors leave of a column, and g = J^T P r.
-    Residuals are correlated within windows and, where the model is wrong, within whole recordings. The largest counts,
-    and no less than H^-1, what is left when nuisances may be anything that their priors allow.
+    Residuals are correlated within windows and, where the model is wrong, within whole recordings, and at the same
+    moment of every pass of a motion that repeats. The largest counts, and no less than H^-1, what is left when
+    nuisances may be anything that their priors allow.
     """
     train = metric.campaign.train
     clean = metric.project(found.jacobian, found.free)[train]
     information = found.jacobian[train].T @ clean
     inverse = np.linalg.inv((information + information.T) / 2 + np.eye(clean.shape[1]) / PRIOR**2)
     score = clean * found.residual[train][:, None]
-    clusters = (window_numbers(metric)[train], metric.campaign.recording_of[train])
+    clusters = [window_numbers(metric)[train], metric.campaign.recording_of[train]]
+    if metric.campaign.subject.repeat is not None:
+        clusters.append(moments(metric, metric.campaign.subject.repeat)[train])
     return np.sqrt(robust_variance(inverse, score, clusters))
 
 
@@ -73,6 +76,13 @@ def window_numbers(metric: Metric) -> Array:
     campaign, window = metric.campaign, metric.campaign.subject.window
     per_recording = int(max(campaign.time) // window) + 1
     return (campaign.recording_of * per_recording + campaign.time // window).astype(int)
+
+
+def moments(metric: Metric, repeat: float) -> Array:
+    """Number of the window within its pass of every entry, alike in all passes of a motion that repeats, (N,)."""
+    campaign = metric.campaign
+    begin = np.array([campaign.subject.clock(log)[0] for log in campaign.recordings])
+    return ((campaign.time + begin[campaign.recording_of]) % repeat // campaign.subject.window).astype(int)
 
 
 @dataclass(frozen=True)

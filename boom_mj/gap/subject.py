@@ -75,6 +75,25 @@ class Push:
     ratio: float
 
 
+@dataclass(frozen=True)
+class Words:
+    """How people speak of a kind of machine.
+
+    Attributes:
+        phases: words of `Subject.phases`, in their order.
+        learnt: what `Subject.learns` learns.
+        finer: what a finer model has.
+        zero: id of the tolerance that is a sensor's zero offset.
+        frames: which way directions point.
+    """
+
+    phases: tuple[str, ...]
+    learnt: str
+    finer: str
+    zero: str
+    frames: str = ""
+
+
 class Subject(ABC):
     """A machine to be diagnosed.
 
@@ -86,6 +105,8 @@ class Subject(ABC):
         causes: most effects that an explanation may have.
         worth: share of the remaining gap that another effect must close.
         spill: share of the mean square that effects took away, which their own inaccuracy may leave.
+        words: for people.
+        repeat: period of a motion that the recordings repeat, s, if they do.
         listening: signal in which periodic effects show as spectral lines, if there is one.
     """
 
@@ -97,6 +118,8 @@ class Subject(ABC):
     causes: int
     worth: float
     spill: float
+    words: Words
+    repeat: float | None = None
     listening: ClassVar[str | None] = None
 
     @property
@@ -151,7 +174,15 @@ class Subject(ABC):
 
     @abstractmethod
     def place(self, group: str) -> tuple[str, str, str]:
-        """Sensor, link and direction of a channel group."""
+        """Sensor, link and direction of a channel group; the direction is "" where there is but one."""
+
+    @abstractmethod
+    def place_name(self, sensor: str, link: str) -> str:
+        """A sensor at its place, for people."""
+
+    @abstractmethod
+    def group_name(self, group: str) -> str:
+        """A channel group, for people."""
 
     @abstractmethod
     def motion(self, log: Recording, time: Array) -> Array:

@@ -83,12 +83,12 @@ def bands(series: Array, edges: Sequence[Band], step: float) -> list[tuple[str, 
 
 def in_words(cells: tuple[Cell, ...]) -> str:
     """One sentence: where most of it lies."""
+    ways = {"sensor": "by {}", "link": "on {}", "direction": "along {}", "band": "in the {} band", "phase": "in {}"}
     parts = []
-    for axis in ("sensor", "link", "direction", "band", "phase"):
+    for axis, words in ways.items():
         (name,), share = next(iter(shares(cells, axis).items()))
-        parts.append(f"{name} ({share:.0%})")
-    sensor, link, direction, band, phase = parts
-    return f"it is seen most by {sensor}, on {link}, along {direction}, in the {band} band, in {phase}"
+        parts += [words.format(f"{name} ({share:.0%})")] if name else []
+    return f"it is seen most {', '.join(parts)}"
 
 
 def looks(campaign: Campaign, residual: Array) -> str:

@@ -4,6 +4,8 @@ A field is a path: `qm`, `ScopeData.signals.values[2]`, `positions[0]`, and of b
 `/joint_states.position[0]`, whose time is `/joint_states.log_time`. A number in brackets counts columns from 0.
 """
 
+import csv
+import io
 import json
 import re
 from collections.abc import Iterable, Mapping
@@ -13,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from boom_mj.errors import LogError
+from boom_mj.files import whole_file
 from boom_mj.logs.channel import Batch
 from boom_mj.logs.encodings import decoder_of
 from boom_mj.logs.formats import format_of, log_file
@@ -41,6 +44,17 @@ def read_columns(path: Path, fields: Iterable[str]) -> dict[str, Array]:
         table = _csv(path)
         return {field: _within(path, table, field) for field in fields}
     return _messages(path, tuple(fields))
+
+
+def write_columns(path: Path, columns: Mapping[str, Array]) -> None:
+    """Write numbers, (n,) each, as a CSV table."""
+    with whole_file(path) as stream:
+        text = io.TextIOWrapper(stream, newline="")
+        table = csv.writer(text)
+        table.writerow(columns)
+        table.writerows([f"{value:.9g}" for value in row] for row in zip(*columns.values()))
+        text.flush()
+        text.detach()
 
 
 def _within(path: Path, table: Mapping[str, Any], field: str) -> Array:

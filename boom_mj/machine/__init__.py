@@ -1,8 +1,12 @@
 """What the machine is: the machine file as frozen data, its sections, statics and shape functions."""
 
+from boom_mj.machine.beam import Beam as Beam
+from boom_mj.machine.beam import load_model as load_model
 from boom_mj.machine.linkages import cylinder_forces as cylinder_forces
 from boom_mj.machine.linkages import cylinder_lengths as cylinder_lengths
 from boom_mj.machine.model import EffectEntry as EffectEntry
+from boom_mj.machine.model import Elastic as Elastic
+from boom_mj.machine.model import ElasticLink as ElasticLink
 from boom_mj.machine.model import Link as Link
 from boom_mj.machine.model import Machine as Machine
 from boom_mj.machine.model import load_machine as load_machine

@@ -8,7 +8,7 @@ import math
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, get_args
+from typing import Annotated, Any, Literal, Protocol, Self, TypeVar, get_args
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
 
@@ -53,8 +53,8 @@ class Slewing(Drive):
     pivot_height: Positive
 
 
-class Link(Drive):
-    """One elastic link, a tapered box from its root at x = -length to its tip at x = 0."""
+class ElasticLink(Frozen):
+    """What bends: a tapered box from its root at x = -length to its tip at x = 0, solid where walls meet."""
 
     name: str
     length: Positive
@@ -77,7 +77,7 @@ class Link(Drive):
         return -6 * m * c / l**2 - 2 * m / l, 4 * m / l + 6 * m * c / l**2
 
     @model_validator(mode="after")
-    def _is_a_boom_link(self) -> Self:
+    def _is_a_box(self) -> Self:
         low, high = -2 / 3 * self.length, -self.length / 2
         if not low < self.center_of_gravity <= high:
             raise ValueError(
@@ -85,8 +85,10 @@ class Link(Drive):
                 f"heavier at the tip than at the root needs a value in ({low:.4g}, {high:.4g}] m"
             )
         for side, (height, width, wall) in zip(("root", "tip"), zip(self.height, self.width, self.wall)):
-            if 2 * wall >= min(height, width):
-                raise ValueError(f"wall = {wall} at the {side}: must be below half the box, {min(height, width) / 2} m")
+            if 2 * wall > min(height, width):
+                raise ValueError(
+                    f"wall = {wall} at the {side}: must be at most half the box, {min(height, width) / 2} m"
+                )
         area = [2 * t * (h + w - 2 * t) for h, w, t in zip(self.height, self.width, self.wall)]
         if area[1] > area[0]:
             raise ValueError(
@@ -96,6 +98,10 @@ class Link(Drive):
         if self.support is not None and not -self.length < self.support < 0:
             raise ValueError(f"support = {self.support}: must lie on the link, between {-self.length} and 0 m")
         return self
+
+
+class Link(Drive, ElasticLink):
+    """One link of a boom, with the joint at its root."""
 
 
 class OffsetProfile(Frozen):
@@ -206,9 +212,28 @@ class Sensors(Frozen):
     """Marker places as fractions of the link length, root outward."""
 
 
+class Elastic(Protocol):
+    """What shapes and hinges need to know of a machine: elastic links in a row, their loads and damping."""
+
+    @property
+    def gravity(self) -> float: ...
+    @property
+    def links(self) -> tuple[ElasticLink, ...]: ...
+    @property
+    def offset_profile(self) -> OffsetProfile: ...
+    @property
+    def damping(self) -> Damping: ...
+    @property
+    def masses_on_link(self) -> tuple[tuple[tuple[float, float], ...], ...]:
+        """Per link its point masses as (x in m, mass in kg)."""
+
+    def __hash__(self) -> int: ...
+
+
 class Machine(Frozen):
     """A large manipulator: slewing gear and a planar chain of elastic links."""
 
+    kind: Literal["boom"] = "boom"
     name: str
     gravity: NonNegative
     slewing: Slewing
@@ -264,6 +289,9 @@ class Machine(Frozen):
         return self
 
 
+Kind = TypeVar("Kind", bound=Frozen)
+
+
 def machine_file(name: Path | str) -> Path:
     """The file of a machine that comes with the package, by a name such as "boom36"; any other path as it is."""
     shipped = (folder / f"{name}.toml" for folder in MODELS if not Path(name).suffix)
@@ -271,7 +299,7 @@ def machine_file(name: Path | str) -> Path:
 
 
 def load_machine(path: Path | str) -> Machine:
-    """Read a machine file, or one that comes with the package by its name.
+    """Read the machine file of a boom, or one that comes with the package by its name.
 
     Raises:
         MachineFileError: the file is missing, is no TOML, or holds bad values; every one of them is listed with its
@@ -281,12 +309,17 @@ def load_machine(path: Path | str) -> Machine:
 
 
 def parse_machine(text: str, source: str = "machine file") -> Machine:
-    """The machine that a TOML text describes; see `load_machine`."""
+    """The boom that a TOML text describes; see `load_machine`."""
+    return parse(Machine, text, source)
+
+
+def parse(kind: type[Kind], text: str, source: str) -> Kind:
+    """A machine of some kind from a TOML text; see `load_machine`."""
     content = parse_toml(text, source, MachineFileError)
     try:
-        return Machine.model_validate(content)
+        return kind.model_validate(content)
     except ValidationError as error:
-        raise MachineFileError("\n".join(f"{source}: {line}" for line in _sentences(error))) from error
+        raise MachineFileError("\n".join(f"{source}: {line}" for line in _sentences(kind, error))) from error
 
 
 def with_values(machine: Machine, values: Mapping[str, float]) -> Machine:
@@ -313,18 +346,19 @@ def with_values(machine: Machine, values: Mapping[str, float]) -> Machine:
     try:
         return Machine.model_validate(content)
     except ValidationError as error:
-        raise MachineFileError("; ".join(_sentences(error))) from error
+        raise MachineFileError("; ".join(_sentences(Machine, error))) from error
 
 
-def _sentences(error: ValidationError) -> list[str]:
-    """One line per bad value: its place, the value, what is allowed."""
-    lines = []
-    for item in error.errors():
-        place, kind, value = _place(item["loc"]), item["type"], item["input"]
+def _sentences(machine: type[Frozen], error: ValidationError) -> list[str]:
+    """One line per bad value: its place, the value, what is allowed; of a machine of another kind, that alone."""
+    lines, errors = [], error.errors()
+    for item in [item for item in errors if item["loc"] == ("kind",)] or errors:
+        place, kind, value = _place(machine, item["loc"]), item["type"], item["input"]
         if kind == "missing":
             lines.append(f"{place} is missing")
         elif kind == "extra_forbidden":
-            lines.append(f"{place} = {shown(value)}: unknown key; known here: {', '.join(_known(item['loc'][:-1]))}")
+            known = ", ".join(_known(machine, item["loc"][:-1]))
+            lines.append(f"{place} = {shown(value)}: unknown key; known here: {known}")
         elif kind == "value_error":
             message = item["msg"].removeprefix("Value error, ")
             after = "" if isinstance(value, dict) else f" = {shown(value)}"
@@ -334,17 +368,17 @@ def _sentences(error: ValidationError) -> list[str]:
     return lines
 
 
-def _place(location: tuple[int | str, ...]) -> str:
-    """Where in the file, as its reader would say it: link3.wall.1 rather than link.1.wall.1."""
+def _place(machine: type[Frozen], location: tuple[int | str, ...]) -> str:
+    """Where in the file, as its reader would say it: link3.wall.1 of a boom rather than link.1.wall.1."""
     match location:
-        case ("link", int(index), *rest):
+        case ("link", int(index), *rest) if machine is Machine:
             location = (f"link{index + 2}", *rest)
     return ".".join(str(part) for part in location)
 
 
-def _known(location: tuple[int | str, ...]) -> list[str]:
+def _known(machine: type[Frozen], location: tuple[int | str, ...]) -> list[str]:
     """The keys that the machine file knows at a place."""
-    model: type[BaseModel] = Machine
+    model: type[BaseModel] = machine
     for part in location:
         if isinstance(part, str):
             annotation = model.model_fields[part].annotation

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.polynomial import Polynomial
 
 from boom_mj.machine import sections, statics
-from boom_mj.machine.model import Link, Machine
+from boom_mj.machine.model import Elastic, ElasticLink
 from boom_mj.machine.statics import StaticCurve
 
 Array = np.ndarray
@@ -56,7 +56,7 @@ class Shape:
 
 
 @lru_cache(maxsize=64)
-def ritz_shapes(machine: Machine) -> tuple[Mapping[str, Shape], ...]:
+def ritz_shapes(machine: Elastic) -> tuple[Mapping[str, Shape], ...]:
     """Shapes `torsion`, `v` and `w` of every link, root outward."""
     found = []
     for index, link in enumerate(machine.links):
@@ -67,7 +67,7 @@ def ritz_shapes(machine: Machine) -> tuple[Mapping[str, Shape], ...]:
     return tuple(found)
 
 
-def static_curves(machine: Machine, index: int, tip_force: float = 0.0) -> Mapping[str, StaticCurve]:
+def static_curves(machine: Elastic, index: int, tip_force: float = 0.0) -> Mapping[str, StaticCurve]:
     """Static solutions `torsion`, `v` and `w` of link `index` (0 is link 2), each 1 at its tip.
 
     Args:
@@ -83,7 +83,7 @@ def static_curves(machine: Machine, index: int, tip_force: float = 0.0) -> Mappi
     return {axis: curve.over_tip() for axis, curve in curves.items()}
 
 
-def _fit(link: Link, axis: str, static: StaticCurve, basis: tuple[Polynomial, ...]) -> Shape:
+def _fit(link: ElasticLink, axis: str, static: StaticCurve, basis: tuple[Polynomial, ...]) -> Shape:
     """Least squares (18) to a static solution, then normalised to 1 at the tip."""
     x = np.linspace(-link.length, 0, 201)
     curve = static.value(x)

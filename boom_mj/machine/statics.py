@@ -11,10 +11,10 @@ import numpy as np
 from scipy.integrate import solve_bvp
 
 from boom_mj.machine import sections
-from boom_mj.machine.model import Link, Machine
+from boom_mj.machine.model import Elastic, ElasticLink
 
 Array = np.ndarray
-Density = Callable[[Link, Array], Array]
+Density = Callable[[ElasticLink, Array], Array]
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class TipLoad:
     moment: float
 
 
-def outboard_load(machine: Machine, index: int, gravity: float, tip_force: float = 0.0) -> TipLoad:
+def outboard_load(machine: Elastic, index: int, gravity: float, tip_force: float = 0.0) -> TipLoad:
     """Weight of everything outboard of link `index` (0 is link 2), and of `tip_force` (N) at the end of the boom."""
     force = moment = reach = 0.0
     for link, points in zip(machine.links[index + 1 :], machine.masses_on_link[index + 1 :]):
@@ -53,7 +53,7 @@ class StaticCurve:
         )
 
 
-def torsion(link: Link) -> StaticCurve:
+def torsion(link: ElasticLink) -> StaticCurve:
     """Twist of a link under a unit moment at its tip (13), (14), rad."""
     tip = float(sections.torsional_stiffness(link, 0.0))
 
@@ -69,7 +69,7 @@ def torsion(link: Link) -> StaticCurve:
     return StaticCurve(lambda x: link.length / tip * solution(1 + x / link.length)[0], strain, strain)
 
 
-def bending(link: Link, stiffness: Density, tip: TipLoad, gravity: float, support: float | None) -> StaticCurve:
+def bending(link: ElasticLink, stiffness: Density, tip: TipLoad, gravity: float, support: float | None) -> StaticCurve:
     """Static deflection (15) of a link under its own weight and a tip load, m.
 
     Args:

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.linalg import eigvalsh
 
 from boom_mj.errors import MachineFileError, numbers_of
-from boom_mj.machine import AXES, Machine
+from boom_mj.machine import AXES, Elastic, Machine
 from boom_mj.mjcf import scene
 from boom_mj.mjcf.hinges import HingeChain, hinge_chains
 from boom_mj.mjcf.inertia import RigidInertia, beam_axis, segment_inertias
@@ -86,7 +86,7 @@ def _built(machine: Machine, hinges: int) -> BoomModel:
 
     base = spec.worldbody.add_body(name="base")
     turret = base.add_body(name="turret", pos=[0, 0, machine.slewing.pivot_height], quat=[1, 1, 0, 0])
-    _set_inertia(
+    set_inertia(
         turret, RigidInertia(1e-3, np.zeros(3), 1e-3 * np.eye(3))
     )  # turns with a drive: its inertia is no matter
     scene.draw_turret(turret, machine)
@@ -105,7 +105,7 @@ def _built(machine: Machine, hinges: int) -> BoomModel:
         rope = spec.add_actuator(name=f"rope_{axis}", target="tip", refsite="world", trntype=mujoco.mjtTrn.mjTRN_SITE)
         rope.gear = np.eye(6)[k]
     _tune_drives(spec, machine)
-    spec.option.timestep = _stable_step(spec, machine)
+    spec.option.timestep = stable_step(spec, machine)
     return BoomModel(machine, spec, chains)
 
 
@@ -122,7 +122,7 @@ def _add_link(
     for k, inertia in enumerate(inertias):
         root = np.array([link.length, 0.0, link.offset])
         body = body.add_body(name=link.name if k == 0 else f"{link.name}_{k + 1}", pos=root if k == 0 else [0, 0, 0])
-        _set_inertia(body, inertia)
+        set_inertia(body, inertia)
         if k == 0:
             _add_drive(body, machine, index + 1, -root, np.array([0.0, 0.0, 1.0]))
         for name in ("v", "w", "torsion") if k else ():
@@ -188,7 +188,7 @@ def _tune_drives(spec: mujoco.MjSpec, machine: Machine) -> None:
         servo.set_to_position(kp=own * omega**2, kv=1.4 * own * omega)
 
 
-def _stable_step(spec: mujoco.MjSpec, machine: Machine) -> float:
+def stable_step(spec: mujoco.MjSpec, machine: Elastic) -> float:
     """TIMESTEP, or the largest whole fraction of it at which the fastest hinge is stable.
 
     Springs are integrated explicitly, which bears omega h < 2; their damping implicitly, which from a relaxation time
@@ -206,7 +206,8 @@ def _stable_step(spec: mujoco.MjSpec, machine: Machine) -> float:
     return TIMESTEP / int(np.ceil(TIMESTEP * fastest / STABLE_PHASE))
 
 
-def _set_inertia(body: mujoco.MjsBody, inertia: RigidInertia) -> None:
+def set_inertia(body: mujoco.MjsBody, inertia: RigidInertia) -> None:
+    """Mass, centre of mass and inertia of a body in its own frame."""
     tensor = inertia.tensor
     body.explicitinertial = True
     body.mass, body.ipos = inertia.mass, inertia.center

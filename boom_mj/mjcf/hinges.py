@@ -13,7 +13,7 @@ axis, where its position is free.
 Link 2 rests on its cylinder pin: what bends between root and pin is slope at the pin, gathered by the cell there.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
@@ -21,7 +21,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
-from boom_mj.machine import Link, Machine, Shape, ritz_shapes, sections, shapes
+from boom_mj.machine import Elastic, ElasticLink, Shape, ritz_shapes, sections, shapes
 from boom_mj.machine.shapes import static_curves
 from boom_mj.machine.statics import StaticCurve
 
@@ -65,15 +65,18 @@ class HingeChain:
         return np.array([-hinge.position for hinge in self.hinges])
 
 
-def hinge_chains(machine: Machine, count: int) -> tuple[dict[str, HingeChain], ...]:
+def hinge_chains(machine: Elastic, count: int) -> tuple[dict[str, HingeChain], ...]:
     """Per link the chains `torsion`, `v` and `w` of `count` hinges each."""
-    return tuple(
-        {axis: HingeChain(link.name, axis, _hinges(machine, index, axis, count)) for axis in shapes.AXES}
-        for index, link in enumerate(machine.links)
-    )
+    return tuple(link_chains(machine, index, count, shapes.AXES) for index in range(len(machine.links)))
 
 
-def cell_edges(link: Link, count: int) -> Array:
+def link_chains(machine: Elastic, index: int, count: int, axes: Sequence[str]) -> dict[str, HingeChain]:
+    """Chains of `count` hinges each of one link (0 is link 2)."""
+    link = machine.links[index]
+    return {axis: HingeChain(link.name, axis, _hinges(machine, index, axis, count)) for axis in axes}
+
+
+def cell_edges(link: ElasticLink, count: int) -> Array:
     """Edges of the cells of a link, (count + 1,), m: their lengths follow the root of the bending stiffness.
 
     What a chain of hinges lacks in flexibility is the sum of length^3 / E I over its cells, least at this grading.
@@ -83,7 +86,7 @@ def cell_edges(link: Link, count: int) -> Array:
     return np.interp(np.linspace(0, share[-1], count + 1), share, x)
 
 
-def _hinges(machine: Machine, index: int, axis: str, count: int) -> tuple[Hinge, ...]:
+def _hinges(machine: Elastic, index: int, axis: str, count: int) -> tuple[Hinge, ...]:
     link = machine.links[index]
     curve: Shape | StaticCurve = (
         _static_curves(machine, index)[axis] if count > 1 else ritz_shapes(machine)[index][axis]
@@ -114,12 +117,12 @@ def _hinges(machine: Machine, index: int, axis: str, count: int) -> tuple[Hinge,
 
 
 @lru_cache(maxsize=64)
-def _static_curves(machine: Machine, index: int) -> Mapping[str, StaticCurve]:
+def _static_curves(machine: Elastic, index: int) -> Mapping[str, StaticCurve]:
     """Static solutions between weight and tip load: a tip force of half the last link's weight is added."""
     return static_curves(machine, index, machine.links[-1].mass * (machine.gravity or 9.81) / 2)
 
 
-def _line_dissipation(machine: Machine, index: int, axis: str) -> float:
+def _line_dissipation(machine: Elastic, index: int, axis: str) -> float:
     """Rayleigh coefficient of a Ritz coordinate from the dissipation per unit length of (24)."""
     link, damping = machine.links[index], machine.damping
     x, weight = sections.gauss_points(link)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from boom_mj.machine import Machine, ritz_shapes, sections
+from boom_mj.machine import Elastic, ritz_shapes, sections
 from boom_mj.mjcf.hinges import HingeChain
 from boom_mj.mjcf.masses import mass_points, segment_cuts, tuned_masses
 
@@ -20,7 +20,7 @@ class RigidInertia:
     tensor: Array
 
 
-def segment_inertias(machine: Machine, index: int, chains: dict[str, HingeChain]) -> tuple[RigidInertia, ...]:
+def segment_inertias(machine: Elastic, index: int, chains: dict[str, HingeChain]) -> tuple[RigidInertia, ...]:
     """Inertias of the bodies of one link, root outward: one more than its hinges per coordinate."""
     cuts = segment_cuts(machine.links[index], chains)
     x, mass, inertia = mass_points(machine, index, cuts)
@@ -35,14 +35,14 @@ def segment_inertias(machine: Machine, index: int, chains: dict[str, HingeChain]
     return tuple(_rigid(machine, index, *body) for body in bodies)
 
 
-def beam_axis(machine: Machine, index: int) -> Array:
+def beam_axis(machine: Elastic, index: int) -> Array:
     """Unit vector along the neutral axis in the link frame, (3,): a ramp's beam runs from root to tip."""
     link = machine.links[index]
     rise = link.offset if machine.offset_profile.kind == "ramp" else 0.0
     return np.array([link.length, 0.0, rise]) / np.hypot(link.length, rise)
 
 
-def _rigid(machine: Machine, index: int, x: Array, mass: Array, inertia: float) -> RigidInertia:
+def _rigid(machine: Elastic, index: int, x: Array, mass: Array, inertia: float) -> RigidInertia:
     """One body from masses on the neutral axis and its rotary inertia about it (kg m^2)."""
     link, axis = machine.links[index], beam_axis(machine, index)
     position = np.stack([x, np.zeros_like(x), sections.offset(link, machine.offset_profile.kind, x) - link.offset])

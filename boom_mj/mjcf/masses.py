@@ -8,7 +8,7 @@ entries of the shape functions. With more hinges every mass belongs to the body 
 import numpy as np
 from scipy.optimize import nnls
 
-from boom_mj.machine import Link, Machine, ritz_shapes, sections
+from boom_mj.machine import Elastic, ElasticLink, ritz_shapes, sections
 from boom_mj.mjcf.hinges import HingeChain, cell_edges
 
 Array = np.ndarray
@@ -17,14 +17,14 @@ EXACT = 1e5  # weight of the link's own mass and moments against the modal mass 
 PRIOR_WEIGHT = 1e-3
 
 
-def segment_cuts(link: Link, chains: dict[str, HingeChain]) -> Array:
+def segment_cuts(link: ElasticLink, chains: dict[str, HingeChain]) -> Array:
     """Where a link's bodies meet: midway between its bending hinges, as far as they lie in their cells, (n,), m."""
     edges = cell_edges(link, len(chains["v"].hinges))
     v, w = (np.array([hinge.position for hinge in chains[axis].hinges]) for axis in ("v", "w"))
     return (np.clip(v, edges[:-1], edges[1:]) + w) / 2
 
 
-def mass_points(machine: Machine, index: int, cuts: Array) -> tuple[Array, Array, Array]:
+def mass_points(machine: Elastic, index: int, cuts: Array) -> tuple[Array, Array, Array]:
     """Places x, masses and rotary inertias (19), (20) of a link, with Gauss points on each stretch between cuts."""
     link, edges = machine.links[index], np.array([-machine.links[index].length, *cuts, 0.0])
     node, weight = np.polynomial.legendre.leggauss(8)
@@ -39,7 +39,7 @@ def mass_points(machine: Machine, index: int, cuts: Array) -> tuple[Array, Array
 
 
 def tuned_masses(
-    machine: Machine, index: int, chains: dict[str, HingeChain], x: Array, mass: Array
+    machine: Elastic, index: int, chains: dict[str, HingeChain], x: Array, mass: Array
 ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
     """Masses (places, kg) for the inner and the outer body of a link with one hinge per coordinate.
 

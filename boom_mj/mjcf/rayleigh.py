@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from boom_mj.machine import Machine, ritz_shapes, sections
+from boom_mj.machine import Elastic, ritz_shapes, sections
 from boom_mj.machine.statics import outboard_load
 from boom_mj.mjcf.hinges import HingeChain
 from boom_mj.mjcf.masses import mass_points, segment_cuts, tuned_masses
@@ -17,7 +17,7 @@ from boom_mj.mjcf.masses import mass_points, segment_cuts, tuned_masses
 Chains = tuple[dict[str, HingeChain], ...]
 
 
-def in_tune(machine: Machine, chains: Chains) -> Chains:
+def in_tune(machine: Elastic, chains: Chains) -> Chains:
     """Chains of one hinge each with their bending springs softened."""
     factors = {"torsion": 1.0, **{axis: _energy_ratio(machine, chains, axis) for axis in ("v", "w")}}
     return tuple({axis: _scaled(chain, factors[axis]) for axis, chain in link.items()} for link in chains)
@@ -28,7 +28,7 @@ def _scaled(chain: HingeChain, factor: float) -> HingeChain:
     return replace(chain, hinges=tuple(hinges))
 
 
-def _energy_ratio(machine: Machine, chains: Chains, axis: str) -> float:
+def _energy_ratio(machine: Elastic, chains: Chains, axis: str) -> float:
     """Kinetic energy of the bending line, hinged over shaped."""
     shift = turn = hinged = shaped = 0.0  # of the root of a link, m and rad, and energies so far
     for index, link in enumerate(machine.links):

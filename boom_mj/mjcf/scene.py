@@ -3,7 +3,7 @@
 import mujoco
 import numpy as np
 
-from boom_mj.machine import Machine, sections
+from boom_mj.machine import Elastic, Machine, sections
 
 YELLOW = (0.93, 0.69, 0.13, 1)
 """Of the boom: red, green, blue, opacity."""
@@ -67,7 +67,7 @@ def draw_turret(body: mujoco.MjsBody, machine: Machine) -> None:
 
 
 def draw_segment(
-    spec: mujoco.MjSpec, body: mujoco.MjsBody, machine: Machine, index: int, number: int, start: float, stop: float
+    spec: mujoco.MjSpec, body: mujoco.MjsBody, machine: Elastic, index: int, number: int, start: float, stop: float
 ) -> None:
     """The stretch of a link's tapered box between two x, with the joint at its end drawn as a pin."""
     link = machine.links[index]

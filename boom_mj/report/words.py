@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from boom_mj.effects.effect import effect_library
-from boom_mj.gap.boom import sensor_place
+from boom_mj.effects.effect import Effect, effect_library
+from boom_mj.effects.general_effect import general_library
 
 MINUS, DASH, SPACE = "\N{MINUS SIGN}", "\N{EN DASH}", "\N{NO-BREAK SPACE}"
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -43,7 +43,7 @@ def digits_of(low: float | None, high: float | None) -> int:
 
 def percent(share: float) -> str:
     """A share: 3 %, 0.4 %."""
-    text = f"{100 * share:.1f}" if 0 < abs(share) < 0.0095 else f"{100 * share:.0f}"
+    text = f"{100 * share:.1f}" if 0.0005 <= abs(share) < 0.0095 else f"{100 * round(share, 2) + 0.0:.0f}"
     return text.replace("-", MINUS) + SPACE + "%"
 
 
@@ -63,28 +63,17 @@ def capital(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
-def physics(name: str) -> str:
+def physics(effect: Effect) -> str:
     """The first paragraph of an effect's docstring."""
-    return " ".join((effect_library()[name].__doc__ or "").split("\n\n")[0].split())
+    return " ".join((type(effect).__doc__ or "").split("\n\n")[0].split())
 
 
 def spoken(sentence: str) -> str:
     """A sentence of the answer with ids, links and percentages as people write them."""
-    for name in effect_library():
+    for name in {*effect_library(), *general_library()}:
         for written in (name, name.capitalize()):
             sentence = sentence.replace(written, written.replace("_", " "))
     return re.sub(r"(\d)%", rf"\1{SPACE}%", re.sub(r"\blink(\d)", r"link \1", sentence))
-
-
-def group_name(group: str) -> str:
-    """A channel group in words: accelerometer, link 5, y."""
-    sensor, link, direction = sensor_place(group)
-    return f"{place_name(sensor, link)}, {direction}"
-
-
-def place_name(sensor: str, link: str) -> str:
-    """A sensor on a link in words: accelerometer, link 5; cylinder 2."""
-    return f"cylinder {link[-1]}" if sensor == "cylinder" else f"{sensor}, {spaced(link)}"
 
 
 def spaced(link: str) -> str:

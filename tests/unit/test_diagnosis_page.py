@@ -210,6 +210,7 @@ def test_the_file_is_written(tmp_path: Path) -> None:
         (gap_size(float("nan")), "\N{EN DASH}"),
         (percent(0.98743), "99\N{NO-BREAK SPACE}%"),
         (percent(0.002), "0.2\N{NO-BREAK SPACE}%"),
+        (percent(-0.0003), "0\N{NO-BREAK SPACE}%"),
         (digits_of(52.207, 52.503), 4),
         (
             spoken("Tip_payload closes 9% on link5; slew_t tells"),

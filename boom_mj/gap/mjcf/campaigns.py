@@ -1,7 +1,9 @@
 """From files to a campaign of an MJCF machine, and from its diagnosis to a corrected file."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+
+import numpy as np
 
 from boom_mj.errors import InputError
 from boom_mj.files import inside
@@ -11,6 +13,7 @@ from boom_mj.gap.mjcf.channel_map import load_channel_map
 from boom_mj.gap.mjcf.model_file import load_model
 from boom_mj.gap.mjcf.robot import Robot
 from boom_mj.gap.mjcf.stretches import noise_of, split, stretches_of
+from boom_mj.recording import Recording
 
 MOST_STEPS = 10**6  # of a stretch
 
@@ -47,3 +50,20 @@ def corrected_model(found: Diagnosis) -> str:
     robot = found.metric.campaign.subject
     assert isinstance(robot, Robot)
     return robot.corrected(found.best.fit.effects if found.best else ())
+
+
+def twin_tables(campaign: Campaign, twins: Sequence[Mapping[str, np.ndarray]]) -> dict[str, dict[str, np.ndarray]]:
+    """Twins of all stretches as one table per log, by its path: time, and channels by name and unit, as compared."""
+    logs: dict[str, list[tuple[Recording, Mapping[str, np.ndarray]]]] = {}
+    for log, twin in zip(campaign.recordings, twins):
+        logs.setdefault(log.description, []).append((log, twin))
+    return {
+        path: {
+            "time [s]": np.concatenate([log[next(iter(twin))].time for log, twin in parts]),
+            **{
+                f"{name} [{parts[0][0][name].unit}]": np.concatenate([twin[name][:, 0] for _, twin in parts])
+                for name in parts[0][1]
+            },
+        }
+        for path, parts in logs.items()
+    }

@@ -120,7 +120,8 @@ class ChannelMap(BaseModel):
         cutoff: of the zero-phase filter that makes driving motion smooth, Hz.
         release: what tells that something was let go; what comes before is left out.
         stop: what comes later is left out, s.
-        repeat: period of a motion that the logs repeat, s: what differs between passes counts as noise.
+        repeat: period of a motion that the logs repeat, s: what differs between passes counts as noise, what does not
+            is one and the same error of the model in all of them.
         independent: beyond which residuals count as independent, s.
         train: share of a log, from its start, to learn from where no other logs are held out.
         causes: most effects that an explanation may have.

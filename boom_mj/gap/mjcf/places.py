@@ -62,12 +62,22 @@ def _joints(robot: "Robot", logs: Sequence[Recording], runs: Sequence[Run]) -> I
         tags = {"driven"} if name in channels.driven else {"free"}
         tags |= {"measured"} if name in measured else set()
         tags |= {"actuated"} if name in actuated else set()
+        tags |= {"sprung"} if stiffness else set()
+        tags |= {"outermost"} if model.body_jntnum[_behind(model, int(joint.bodyid[0]))].sum() == 1 else set()
         unit = "m" if joint.type[0] == int(mujoco.mjtJoint.mjJNT_SLIDE) else "rad"
         yield (
             name,
             frozenset(tags),
             Typical(unit, max(*forces, TINY), span, fast, inertia, damping, stiffness, float(model.dof_armature[dof])),
         )
+
+
+def _behind(model: mujoco.MjModel, body: int) -> list[int]:
+    """A body and all that it carries."""
+    found = [body]
+    for child in range(body + 1, model.nbody):
+        found += [child] if int(model.body_parentid[child]) in found else []
+    return found
 
 
 def links(spec: mujoco.MjSpec) -> set[str]:

@@ -16,7 +16,7 @@ from boom_mj.gap.mjcf.checking import check
 from boom_mj.gap.mjcf.places import places_of
 from boom_mj.gap.mjcf.simulation import Course, Run, drivable, simulate
 from boom_mj.gap.mjcf.stretches import smoothed
-from boom_mj.gap.subject import Band, Fidelity, Hypothesis, Push, Subject, Tolerance
+from boom_mj.gap.subject import Band, Fidelity, Hypothesis, Push, Subject, Tolerance, Words
 from boom_mj.recording import Recording, Signal
 
 Array = np.ndarray
@@ -48,9 +48,15 @@ class Robot(Subject):
         check(spec, channels)
         self._noise = {name: np.array([level]) for name, level in noise.items()}
         self.spec, self.channels = spec, channels
-        self.causes = channels.causes
+        self.causes, self.repeat = channels.causes, channels.repeat
         self.block, self.window, self.still = channels.block_s, channels.independent, 1e-9
         self.bands: tuple[Band, ...] = (("static", 0.2), ("slow", 1.0), ("middle", 5.0), ("above", np.inf))
+        self.words = Words(
+            phases=("hold", "move", "reversal"),
+            learnt=f"two of every three stretches of {self.window:g} s",
+            finer="half the step",
+            zero="sensor_offset",
+        )
         self.entries = {entry.name: entry for entry in channels.channel}
         self._models: dict[tuple, mujoco.MjModel] = {}
         self._compiling = Lock()
@@ -118,7 +124,14 @@ class Robot(Subject):
 
     def place(self, group: str) -> tuple[str, str, str]:
         entry = self.entries[group]
-        return entry.what, entry.place, entry.name
+        vector = entry.sensor and self.spec.sensor(entry.sensor).get_data_size() == 3
+        return entry.what, entry.place, "xyz"[entry.component] if vector else ""
+
+    def place_name(self, sensor: str, link: str) -> str:
+        return f"{sensor}, {link}"
+
+    def group_name(self, group: str) -> str:
+        return group
 
     def motion(self, log: Recording, time: Array) -> Array:
         begin = self.clock(log)[0]

@@ -24,9 +24,10 @@ def stretches_of(path: Path, channels: ChannelMap) -> list[Recording]:
     """A log in stretches of `channels.window` seconds.
 
     Every stretch holds its channels by name, driving motion smooth, and the measured state of other joints at its start
-    as "start/JOINT": one sample of position and speed. Compared channels begin `channels.settle` later. Where motion
-    drives, a smooth motion cannot make the model's forces sharp: compared channels are smoothed, too, by a lower cutoff
-    that `Robot` applies to the model, and what drives reaches some periods beyond what is compared.
+    as "start/JOINT": one sample of position and speed; its description is the log's path. Compared channels begin
+    `channels.settle` later. Where motion drives, a smooth motion cannot make the model's forces sharp: compared
+    channels are smoothed, too, by a lower cutoff that `Robot` applies to the model, and what drives reaches some
+    periods beyond what is compared.
 
     Raises:
         LogError: fields that are not there, times that do not increase, holes in what drives, a log that is too short.
@@ -80,7 +81,7 @@ def stretches_of(path: Path, channels: ChannelMap) -> list[Recording]:
                     time[inside], smooth[entry.name][inside, None], (entry.joint,), entry.unit or "1", entry.place
                 )
         name = f"{path.name} {begin:g}-{stop:g} s"
-        found.append(Recording(name, channels.name, "", signals))
+        found.append(Recording(name, channels.name, str(path), signals))
     return found
 
 

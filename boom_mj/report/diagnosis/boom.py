@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,18 +11,22 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from boom_mj.gap.boom import sensor_place
+from boom_mj.gap.boom import Boom, sensor_place
 from boom_mj.gap.campaign import Channel
+from boom_mj.gap.diagnose import QUIET as UNASKED
+from boom_mj.gap.subject import Push
 from boom_mj.report.colours import CORRECTED, FAINT, MEASURED, QUIET
 from boom_mj.report.diagnosis.geometry import Side, place_of, side_view
 from boom_mj.report.diagnosis.view import View
 from boom_mj.report.drawing import HEAT, draw, gap_ticks
-from boom_mj.report.section import Section
+from boom_mj.report.words import number
 
 Array = np.ndarray
 WIDTH = 1080  # px
 TRUCK = np.array([[-8.5, 0.9], [-8.5, 1.6], [0.9, 1.6], [0.9, 2.9], [2.9, 2.9], [3.1, 0.9]])  # m, a hint of one
 TURRET = np.array([[-0.7, 1.6], [-0.45, 4.0], [0.45, 4.0], [0.8, 1.6]])  # m
+PUSHES = 5  # listed
+BENDING = {"v": "bending, vertical", "w": "bending, horizontal"}
 AT_TIP = ("tip_payload", "end_hose")  # effects without a location that sit at the tip
 
 
@@ -33,10 +38,11 @@ class Sensed:
     gaps: Mapping[str, float]
 
 
-def section(view: View) -> Section:
+def picture(view: View, boom: Boom) -> Mapping[str, Any]:
+    """What `boom.html` shows."""
     index = worst_recording(view)
     angles = view.campaign.recordings[index]["joint/position"].values[0]
-    side = side_view(view.machine, angles)
+    side = side_view(boom.machine, angles)
     states = sensed(view)
     rings = named_places(view, side)
     heights = [points[:, 1] for points in (*side.outlines, TRUCK)]
@@ -64,9 +70,18 @@ def section(view: View) -> Section:
         bar.minorticks_off()
 
     heard = "; ".join(f"{name} {gap:.3g}" for name, gap in states[0].gaps.items())
-    picture = draw("boom", f"Side view of the boom, gap by part before: {heard}", WIDTH, height, paint)
-    facts = {"picture": picture, "recording": view.recording_name(index), "rings": bool(rings)}
-    return Section("boom", "On the boom", facts)
+    return {
+        "picture": draw("boom", f"Side view of the boom, gap by part before: {heard}", WIDTH, height, paint),
+        "recording": view.recording_name(index),
+        "rings": bool(rings),
+        "pushes": [_shown(push) for push in view.found.pushes if push.ratio > UNASKED][:PUSHES],
+    }
+
+
+def _shown(push: Push) -> tuple[str, str, str, float]:
+    """Part, direction, force and ratio as the table has them."""
+    part, direction = f"{push.part[:-1]} {push.part[-1]}", BENDING.get(push.direction, push.direction)
+    return part, direction, f"{number(push.force)} {push.unit}", push.ratio
 
 
 def sensed(view: View) -> list[Sensed]:
@@ -119,9 +134,9 @@ def draw_boom(axes: Axes, side: Side, state: Sensed, norm: LogNorm) -> None:
     axes.plot([-6.5, -4.6, 1.6], [0.55] * 3, "o", ms=9, color=FAINT)
     for k, outline in enumerate(side.outlines):
         axes.add_patch(Polygon(outline, fc=colour(f"link{k + 2}"), ec=QUIET, lw=0.8, zorder=2))
-    for number, ends in zip((2, 3), side.cylinders):
+    for k, ends in zip((2, 3), side.cylinders):
         axes.plot(*ends.T, color=QUIET, lw=5.5, zorder=3, solid_capstyle="round")
-        axes.plot(*ends.T, color=colour(f"cylinder{number}"), lw=4, zorder=3, solid_capstyle="round")
+        axes.plot(*ends.T, color=colour(f"cylinder{k}"), lw=4, zorder=3, solid_capstyle="round")
     for k, place in enumerate(side.markers):
         axes.plot(*place, "o", ms=6.5, mfc=colour(f"marker{k + 1}"), mec=MEASURED, mew=0.8, zorder=4)
     for k, (joint, angle) in enumerate(zip(side.joints[1:], side.angles)):

@@ -6,26 +6,23 @@ import numpy as np
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from boom_mj.gap.boom import sensor_place
 from boom_mj.report.colours import CORRECTED, FAINT, NOMINAL
-from boom_mj.report.diagnosis.heat import ORDER
-from boom_mj.report.diagnosis.view import SENSORS, Change, View
+from boom_mj.report.diagnosis.view import Change, View
 from boom_mj.report.drawing import draw, gap_axis
 from boom_mj.report.section import Section
-from boom_mj.report.words import group_name, spaced
+from boom_mj.report.words import spaced
 
 ROW, WIDTH, LABELS = 17, 530, 215  # px: of a row, of a picture, of its labels
 TOP, BOTTOM = 4, 42  # px above the rows and below them
 LONGEST = 38  # letters of a label
-NAMES = {"phase": ORDER["phase"], "link": tuple(f"link{k}" for k in range(2, 6)), "sensor": SENSORS}
 
 
 def section(view: View) -> Section:
-    groups = [Change(group_name(name), c.before, c.after) for name, c in view.by_group.items()]
+    groups = [Change(view.subject.group_name(name), c.before, c.after) for name, c in view.by_group.items()]
     recordings = view.by_recording
     values = [gap for change in (*groups, *recordings) for gap in (change.before, change.after)]
     parts = [("recording", "By recording", recordings)]
-    parts += [(axis, f"By {axis}, held out", changes) for axis, changes in by_axis(view).items()]
+    parts += [(axis, f"By {axis}, held out", changes) for axis, changes in by_axis(view).items() if len(changes) > 1]
     facts = {
         "groups": dumbbells("group", "By channel group, held out", groups, values, view.corrected),
         "parts": [(title, dumbbells(name, title, rows, values, view.corrected)) for name, title, rows in parts],
@@ -37,7 +34,7 @@ def section(view: View) -> Section:
 
 def by_axis(view: View) -> dict[str, list[Change]]:
     """Held-out gaps by phase, by link and by sensor."""
-    places = [sensor_place(channel.group) for channel in view.campaign.channels]
+    places = [view.subject.place(channel.group) for channel in view.campaign.channels]
     held_out = view.campaign.held_out
     found = {
         "phase": view.changes_within(view.phases, held_out),
@@ -45,7 +42,7 @@ def by_axis(view: View) -> dict[str, list[Change]]:
         "sensor": view.changes([sensor for sensor, _, _ in places], held_out),
     }
     return {
-        axis: [Change(spaced(name), c.before, c.after) for name in NAMES[axis] if (c := changes.get(name))]
+        axis: [Change(spaced(name), c.before, c.after) for name in view.order[axis] if (c := changes.get(name))]
         for axis, changes in found.items()
     }
 

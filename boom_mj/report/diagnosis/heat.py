@@ -7,16 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.colors import to_hex
 
-from boom_mj.gap.boom import Boom
 from boom_mj.gap.where import Cell
-from boom_mj.report.diagnosis.view import SENSORS
+from boom_mj.report.diagnosis.view import View
 from boom_mj.report.drawing import HEAT
 
-ORDER = {
-    "direction": ("x", "y", "z", "force"),
-    "band": tuple(name for name, _ in Boom.bands),
-    "phase": ("hold", "start", "move", "slew", "reversal", "after motion", "after release"),
-}
+ACROSS = ("direction", "band", "phase")
 
 
 @dataclass(frozen=True)
@@ -55,18 +50,19 @@ class HeatMap:
     totals: tuple[Shade, ...]
 
 
-def heat_map(cells: Sequence[Cell]) -> HeatMap:
-    """Shares of every sensor on every link, by direction, by band and by phase."""
+def heat_map(view: View, cells: Sequence[Cell]) -> HeatMap:
+    """Shares of every sensor on every link, by direction where there are several, by band and by phase."""
     table: dict[tuple[str, str, str, str], float] = defaultdict(float)
     column: dict[tuple[str, str], float] = defaultdict(float)
     row: dict[tuple[str, str], float] = defaultdict(float)
     for cell in cells:
         row[cell.sensor, cell.link] += cell.share
-        for axis in ORDER:
+        for axis in ACROSS:
             name = getattr(cell, axis)
             table[cell.sensor, cell.link, axis, name] += cell.share
             column[axis, name] += cell.share
-    blocks = tuple(Block(axis, tuple(n for n in names if (axis, n) in column)) for axis, names in ORDER.items())
+    blocks = [Block(axis, tuple(n for n in view.order[axis] if (axis, n) in column)) for axis in ACROSS]
+    blocks = [block for block in blocks if any(block.columns)]
     columns = [(block.title, name) for block in blocks for name in block.columns]
     darkest = max([*table.values(), 1e-9])
     rows = tuple(
@@ -75,9 +71,9 @@ def heat_map(cells: Sequence[Cell]) -> HeatMap:
             shade(row[place], 1.0),
             tuple(shade(table[*place, *c], darkest) if (*place, *c) in table else None for c in columns),
         )
-        for place in sorted(row, key=lambda place: (SENSORS.index(place[0]), place[1]))
+        for place in sorted(row, key=lambda place: [view.order[a].index(p) for a, p in zip(("sensor", "link"), place)])
     )
-    return HeatMap(blocks, rows, tuple(shade(column[c], 1.0) for c in columns))
+    return HeatMap(tuple(blocks), rows, tuple(shade(column[c], 1.0) for c in columns))
 
 
 def shade(share: float, darkest: float) -> Shade:

@@ -20,8 +20,9 @@ def section(view: View) -> Section:
         "quiet": quiet,
         "share": share_left(gaps["before"], gaps["after"]) if view.corrected else None,
         "looks": None if quiet else spoken(looks(view.campaign, view.after)),
-        "map": heat_map(view.cells_left) if view.corrected and not quiet else None,
+        "map": heat_map(view, view.cells_left) if view.corrected and not quiet else None,
         "places": [cell for cell in view.cells_left if cell.gap > 1][:LISTED],
+        "directions": len(view.order["direction"]) > 1,
         "corrected": view.corrected,
     }
     return Section("left", "What is left", facts)

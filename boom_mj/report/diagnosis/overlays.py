@@ -7,19 +7,19 @@ import numpy as np
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from boom_mj.gap.boom import sensor_place
 from boom_mj.report.colours import CORRECTED, FAINT, MEASURED, NOMINAL, QUIET
 from boom_mj.report.diagnosis.view import View
 from boom_mj.report.drawing import draw, envelope
 from boom_mj.report.section import Section
-from boom_mj.report.words import capital, group_name, percent
+from boom_mj.report.words import capital, percent
 
 Array = np.ndarray
 SHOWN = 4  # groups
 WINDOW = 25.0  # s, of the overlay; the residual is shown over the whole recording
 WORTH = 0.01  # share from which a sensor's best group is shown before the second of another sensor
 WIDTH, HEIGHT = 1080, 300  # px
-SCALES = {"N": (1e-3, "kN")}
+SCALES = {"N": (1e-3, "kN"), "N m": (1e-3, "kN m"), "m": (1e3, "mm")}  # of values beyond BOUNDS
+BOUNDS = {"N": (2e3, np.inf), "N m": (2e3, np.inf), "m": (0.0, 0.1)}
 
 
 @dataclass(frozen=True)
@@ -33,8 +33,14 @@ class Overlay:
 
 def section(view: View) -> Section:
     share = group_shares(view)
-    overlays = [overlay(view, group, share[group], k) for k, group in enumerate(chosen(share))]
-    return Section("overlays", "How it shows", {"overlays": overlays, "corrected": view.corrected})
+    overlays = [overlay(view, group, share[group], k) for k, group in enumerate(chosen(view, share))]
+    facts = {
+        "overlays": overlays,
+        "corrected": view.corrected,
+        "block": f"{view.subject.block:g}",
+        "tolerances": bool(view.metric.nuisances),
+    }
+    return Section("overlays", "How it shows", facts)
 
 
 def group_shares(view: View) -> dict[str, float]:
@@ -47,12 +53,12 @@ def group_shares(view: View) -> dict[str, float]:
     return {name: p / total for name, p in sorted(power.items(), key=lambda item: -item[1])}
 
 
-def chosen(share: dict[str, float]) -> list[str]:
+def chosen(view: View, share: dict[str, float]) -> list[str]:
     """The best group of every sensor that holds a share worth showing, then the next best."""
     first: dict[str, str] = {}
     for group, part in share.items():
         if part >= WORTH:
-            first.setdefault(sensor_place(group)[0], group)
+            first.setdefault(view.subject.place(group)[0], group)
     rest = [group for group in share if group not in first.values()]
     return sorted([*first.values(), *rest][:SHOWN], key=lambda group: -share[group])
 
@@ -64,8 +70,8 @@ def overlay(view: View, group: str, share: float, index: int) -> Overlay:
     number = max(channels, key=lambda k: _power(view, campaign.stretch(k)))
     channel, rows = campaign.channels[number], campaign.stretch(number)
     signal = campaign.recordings[channel.recording][channel.signal]
-    factor, unit = SCALES.get(signal.unit, (1.0, signal.unit.replace("^2", "²")))
     seen = campaign.used[rows]
+    factor, unit = _scale(signal.unit, campaign.measured[rows][seen])
     time = channel.time
     measured, nominal, corrected = (
         np.where(seen, factor * values[rows], np.nan) for values in (campaign.measured, view.nominal, view.explained)
@@ -93,11 +99,19 @@ def overlay(view: View, group: str, share: float, index: int) -> Overlay:
             axes.grid(axis="y")
         figure.align_ylabels()
 
-    which = f" ({signal.channels[channel.column]})" if channel.signal == "markers" else ""
-    name = capital(group_name(group)) + which
+    several = [c for c in campaign.channels if (c.recording, c.group) == (channel.recording, group)]
+    which = f" ({signal.channels[channel.column]})" if len(several) > 1 else ""
+    name = capital(view.subject.group_name(group)) + which
     where = f"{view.recording_name(channel.recording)}, {view.part(channel.recording)}"
     picture = draw(f"overlay{index}", f"{name} in {where}: measured and simulated over time", WIDTH, HEIGHT, paint)
     return Overlay(name, f"{where}; the group holds {percent(share)} of the gap", picture)
+
+
+def _scale(unit: str, values: Array) -> tuple[float, str]:
+    """A factor, and the unit of what comes out, that people read well."""
+    size = float(np.max(np.abs(values), initial=0.0))
+    within, beyond = BOUNDS.get(unit, (np.inf, np.inf))
+    return SCALES[unit] if within < size < beyond else (1.0, unit.replace("^2", "²"))
 
 
 def _power(view: View, rows: slice) -> float:

@@ -1,16 +1,17 @@
 """The page itself: sections in their order, one template each, one file that fetches nothing."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from boom_mj.files import write_text
 from boom_mj.gap import Diagnosis, document
-from boom_mj.report.diagnosis import boom, change, ladder, left, overlays, verdict, where
+from boom_mj.report.diagnosis import change, ladder, left, machine, overlays, verdict, where
 from boom_mj.report.diagnosis.view import View
 from boom_mj.report.templating import page_environment
-from boom_mj.report.words import effect_name, gap_size, number, percent, place_name, spaced
+from boom_mj.report.words import effect_name, gap_size, number, percent
 
-SECTIONS = (where, boom, ladder, overlays, change, left)
+SECTIONS = (where, machine, ladder, overlays, change, left)
 
 
 def write_diagnosis(found: Diagnosis, names: Sequence[str], path: Path) -> None:
@@ -30,9 +31,17 @@ def diagnosis_page(found: Diagnosis, names: Sequence[str]) -> str:
         "boom_mj.report.diagnosis",
         number=number,
         gap=gap_size,
-        place=lambda at: place_name(*at),
+        place=lambda at: view.subject.place_name(*at),
         percent=percent,
         effect_name=effect_name,
-        spaced=spaced,
     )
-    return environment.get_template("diagnosis.html").render(view=view, head=head, sections=sections)
+    facts = {name.replace("_s", ", s"): _said(value) for name, value in view.subject.provenance.items()}
+    template = environment.get_template("diagnosis.html")
+    return template.render(view=view, head=head, sections=sections, provenance=facts)
+
+
+def _said(value: Any) -> str:
+    """A fact of how the machine was simulated, in words."""
+    if isinstance(value, Mapping):
+        return ", ".join(f"{name} {_said(part)}" for name, part in value.items())
+    return f"{value:g}" if isinstance(value, float) else str(value)

@@ -34,10 +34,10 @@ def section(view: View) -> Section:
             "figures": figures(view),
             "effects": [row for effect in answer["effects"] or answer["suspect"] for row in rows(effect)],
             "suspect": bool(answer["suspect"]),
-            "physics": {effect["id"]: physics(effect["id"]) for effect in answer["effects"] or answer["suspect"]},
+            "physics": {effect.id: physics(effect) for effect in view.effects},
             "ties": [explanation_name(tie) for tie in _ties(view)],
             "next_experiment": answer["next_experiment"],
-            "zero_offsets": [(k, f"{d:+.2f}".replace("-", MINUS)) for k, d in offsets(view)],
+            "zero_offsets": offsets(view),
         },
     )
 
@@ -73,7 +73,7 @@ def figures(view: View) -> list[tuple[str, str, str]]:
         span = "" if low is None or high is None else f"95 % interval {percent(low)} to {percent(high)}"
         found.append(("Closed, held out", percent(gap["closure"]), span))
     if gap["fidelity_alone"] is not None:
-        meaning = "of the coarse model's gap, by more hinges alone"
+        meaning = f"of the coarse model's gap, by {view.subject.words.finer} alone"
         found.append(("Finer model closes", percent(gap["fidelity_alone"]), meaning))
     return found
 
@@ -95,10 +95,16 @@ def rows(effect: Mapping[str, Any]) -> list[dict[str, str]]:
     ]
 
 
-def offsets(view: View) -> list[tuple[str, float]]:
-    """Zero offsets of the joint sensors that were estimated along, degrees."""
-    zero = next(effect for effect in estimated_tolerances(view.found) if effect.id == "joint_zero_offset")
-    return [(name.replace("joint", f"joint{SPACE}"), np.degrees(v)) for name, v in zero.values.items()]
+def offsets(view: View) -> list[str]:
+    """Zero offsets of sensors that were estimated along, of angles in degrees."""
+    found = []
+    for effect in estimated_tolerances(view.found):
+        for name, value in effect.values.items() if effect.id == view.subject.words.zero else ():
+            unit = effect.parameters[name].unit
+            size = f"{np.degrees(value):+.2f}°" if unit == "rad" else f"{value:+.2g} {unit}"
+            place = " ".join(map(str, effect.location.values())) or name.replace("joint", f"joint{SPACE}")
+            found.append(f"{place} {size.replace('-', MINUS)}")
+    return found
 
 
 def _ties(view: View) -> list[Any]:

@@ -1,5 +1,6 @@
 """What every section of the page reads: the diagnosis, its answer, residuals before and after, gaps by group."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -8,14 +9,15 @@ from typing import Any
 
 import numpy as np
 
+from boom_mj.effects import Effect
 from boom_mj.gap import Campaign, Diagnosis
-from boom_mj.gap.boom import Boom, sensor_place
 from boom_mj.gap.metric import Metric
+from boom_mj.gap.subject import Subject
 from boom_mj.gap.where import Cell, locate
-from boom_mj.machine import Machine
+from boom_mj.report.words import SPACE
 
 Array = np.ndarray
-SENSORS = ("accelerometer", "gyroscope", "marker", "cylinder")
+LOG = re.compile(r"\.(mcap|bag|db3|csv|mat)(\.gz)?\b")
 
 
 @dataclass(frozen=True)
@@ -45,15 +47,18 @@ class View:
         return self.found.metric.campaign
 
     @property
-    def machine(self) -> Machine:
-        """The boom's."""
-        assert isinstance(self.campaign.subject, Boom), "the page draws booms"
-        return self.campaign.subject.machine
+    def subject(self) -> Subject:
+        return self.campaign.subject
 
     @property
     def corrected(self) -> bool:
         """Whether there is a correction to show beside the nominal model."""
         return self.found.best is not None
+
+    @property
+    def effects(self) -> Sequence[Effect]:
+        """Of the best explanation."""
+        return self.found.best.fit.effects if self.found.best else ()
 
     @property
     def before(self) -> Array:
@@ -97,17 +102,39 @@ class View:
     @cached_property
     def groups(self) -> tuple[str, ...]:
         """Channel groups by sensor, link and direction."""
-        names = {channel.group for channel in self.campaign.channels}
-        return tuple(sorted(names, key=lambda name: (SENSORS.index(sensor_place(name)[0]), sensor_place(name)[1:])))
+
+        def rank(name: str) -> list[int]:
+            return [self.order[axis].index(part) for axis, part in zip(self.order, self._places[name])]
+
+        return tuple(sorted(self._places, key=rank))
+
+    @cached_property
+    def order(self) -> Mapping[str, tuple[str, ...]]:
+        """Names along every axis of a cell, in the order in which people read them."""
+        sensors, links, directions = (tuple(dict.fromkeys(names)) for names in zip(*self._places.values()))
+        bands = tuple(name for name, _ in self.subject.bands)
+        return {
+            "sensor": sensors,
+            "link": links,
+            "direction": directions,
+            "band": bands,
+            "phase": self.subject.words.phases,
+        }
+
+    @cached_property
+    def _places(self) -> Mapping[str, tuple[str, str, str]]:
+        """Sensor, link and direction of every channel group."""
+        return {channel.group: self.subject.place(channel.group) for channel in self.campaign.channels}
 
     def recording_name(self, index: int) -> str:
         """File name without its ending, or the experiment's name where there is no file."""
-        return Path(self.names[index]).stem if index < len(self.names) else self.campaign.recordings[index].name
+        named = index < len(self.names)
+        return LOG.sub("", Path(self.names[index]).name) if named else self.campaign.recordings[index].name
 
     def part(self, index: int) -> str:
         """What a recording was used for."""
         if self.campaign.split_in_time:
-            return "first 60 % training, rest held out"
+            return f"training: {self.subject.words.learnt.replace('%', f'{SPACE}%')}; the rest held out"
         return "training" if index < self.campaign.training else "held out"
 
     def _titled(self, index: int) -> str:
