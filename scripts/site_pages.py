@@ -108,7 +108,9 @@ def public_names(module: ModuleType) -> list[str]:
 
 def public_paths() -> dict[str, list[str]]:
     """By room, where what it exports is defined."""
-    return {room: [_home_of(import_module(room), name) for name in public_names(import_module(room))] for room in ROOMS}
+    rooms = {room: import_module(room) for room in ROOMS}
+    homes = {room: [_home_of(module, name) for name in public_names(module)] for room, module in rooms.items()}
+    return {room: [home for home in found if home.startswith("boom_mj.")] for room, found in homes.items()}
 
 
 def _home_of(module: ModuleType, name: str) -> str:

@@ -47,14 +47,17 @@ class Beam(Frozen):
 
     @property
     def links(self) -> tuple[ElasticLink, ...]:
+        """The one link there is."""
         return self.link
 
     @property
     def offset_profile(self) -> OffsetProfile:
+        """How a link is offset from its drive: not at all."""
         return OffsetProfile(kind="step")
 
     @property
     def masses_on_link(self) -> tuple[tuple[tuple[float, float], ...], ...]:
+        """Per link its point masses as (x in m, mass in kg): none."""
         return ((),)
 
     @model_validator(mode="after")

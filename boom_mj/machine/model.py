@@ -216,13 +216,21 @@ class Elastic(Protocol):
     """What shapes and hinges need to know of a machine: elastic links in a row, their loads and damping."""
 
     @property
-    def gravity(self) -> float: ...
+    def gravity(self) -> float:
+        """m/s^2."""
+
     @property
-    def links(self) -> tuple[ElasticLink, ...]: ...
+    def links(self) -> tuple[ElasticLink, ...]:
+        """Root outward."""
+
     @property
-    def offset_profile(self) -> OffsetProfile: ...
+    def offset_profile(self) -> OffsetProfile:
+        """How links are offset from their drives."""
+
     @property
-    def damping(self) -> Damping: ...
+    def damping(self) -> Damping:
+        """Of all links."""
+
     @property
     def masses_on_link(self) -> tuple[tuple[tuple[float, float], ...], ...]:
         """Per link its point masses as (x in m, mass in kg)."""

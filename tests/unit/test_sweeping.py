@@ -92,7 +92,7 @@ def test_the_files_do_not_depend_on_who_made_them(cluster: str, tmp_path: Path) 
     assert height[2] < height[0] < height[1] > height[3]  # a payload pulls down, a stiffer link holds up
     log = read_mcap(one / rows[3]["recording"])
     assert log.description == "a rope is cut; tip_payload:mass = 100; link3.youngs_modulus_y = 1.7e+11"
-    for wanted, told in ((Sweep(BOOM, DROP, AXES, seed=1), "differs in seed"), (GRID, "no sweep")):
+    for wanted, told in ((Sweep(BOOM, DROP, AXES, seed=1), "differs in seed"), (GRID, "not a JSON file")):
         with pytest.raises(InputError, match=told):
             list(run_sweep(wanted, one))
         (one / "sweep.json").write_text("torn")
