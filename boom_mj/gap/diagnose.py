@@ -90,14 +90,14 @@ def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], 
         contest = _polished(contest, tell)
         contest = sorted([*contest, *_fit_all(metric, _simpler(contest))], key=lambda j: j.held_out)
         for size in range(2, campaign.subject.causes + 1):
-            if not solved(before, contest[0].held_out):
+            if not solved(before, contest[0]):
                 contest = _combine(contest, size, without, tell)
         contest = _without_one(contest)
     best = choose(contest, before)
     share = closure(metric, nominal, best.fit.residual if best else nominal, campaign.held_out)
     verdict = "consistent" if before <= QUIET else "unexplained"
     ties: tuple[Judged, ...] = ()
-    if best and solved(before, best.held_out):
+    if best and solved(before, best):
         ties = tuple(j for j in contest if j is not best and _ties(metric, best, j, before))
         verdict = "ambiguous" if ties else "explained"
     elif best and before <= QUIET and before**2 - best.held_out**2 < 2 * SMALLEST:
@@ -135,9 +135,9 @@ def _fit_all(metric: Metric, candidates: Sequence[Candidate]) -> list[Judged]:
     return sorted(found, key=lambda j: j.held_out)
 
 
-def solved(before: float, after: float) -> bool:
-    """Whether an explanation leaves a held-out gap that is no more than noise and its own inaccuracy."""
-    return after <= QUIET + SLACK * (before - 1)
+def solved(before: float, found: Judged) -> bool:
+    """Whether an explanation leaves no more than noise and its own inaccuracy, which training shows as well."""
+    return found.held_out <= min(QUIET + SLACK * (before - 1), QUIET * max(1.0, found.train))
 
 
 def _simpler(contest: Sequence[Judged]) -> list[Candidate]:
