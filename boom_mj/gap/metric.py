@@ -138,10 +138,10 @@ def coarsely(metric: Metric) -> Metric:
 def beside(metric: Metric, effects: Hypothesis) -> Metric:
     """The metric without nuisances that effects leave nothing of."""
     nuisances = tuple(t.beside(effects) for t in metric.nuisances)
+    if nuisances == metric.nuisances:
+        return metric
     kept = [bool(t.hypothesis) for t in nuisances]
-    return (
-        replace(metric, columns=metric.columns * kept, nuisances=nuisances) if nuisances != metric.nuisances else metric
-    )
+    return replace(metric, columns=metric.columns * kept, nuisances=nuisances)
 
 
 def anchored(metric: Metric, effects: Hypothesis, estimate: Array) -> Metric:
