@@ -22,7 +22,6 @@ SECONDS = 2  # partners tried for each of the best singles
 LEADERS = 2  # of which combinations are tried, and which are fitted again
 SMALLEST = 0.10  # fall of the held-out mean square that counts
 QUIET = 1.15  # held-out gap up to which nothing needs explaining
-SLACK = 0.02  # of the gap, that an explanation may leave besides
 ROUNDS, WORSE = 3, 1.2  # of polishing, and the growth of the training gap at which it is given up
 NEAR = 0.05  # of a size worth finding, within which nuisances and model error stay what they are
 CLOSE = 1.5  # times the best held-out gap, up to which a rival is fitted again
@@ -136,8 +135,8 @@ def _fit_all(metric: Metric, candidates: Sequence[Candidate]) -> list[Judged]:
 
 
 def solved(before: float, found: Judged) -> bool:
-    """Whether an explanation leaves no more than noise and its own inaccuracy, which training shows as well."""
-    return found.held_out <= min(QUIET + SLACK * (before - 1), QUIET * max(1.0, found.train))
+    """Whether an explanation leaves a held-out gap that is no more than noise and its own inaccuracy."""
+    return found.held_out <= QUIET + found.metric.campaign.subject.slack * (before - 1)
 
 
 def _simpler(contest: Sequence[Judged]) -> list[Candidate]:

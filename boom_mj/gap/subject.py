@@ -103,6 +103,7 @@ class Subject(ABC):
         bands: frequency bands in which a gap is told, lowest first.
         still: speed below which a coordinate of `motion` is at rest, in its unit.
         causes: most effects that an explanation may have.
+        slack: share of the gap that an explanation may leave besides noise.
         worth: share of the remaining gap that another effect must close.
         spill: share of the mean square that effects took away, which their own inaccuracy may leave.
         words: for people.
@@ -116,6 +117,7 @@ class Subject(ABC):
     still: float
     fidelity: Fidelity
     causes: int
+    slack: float
     worth: float
     spill: float
     words: Words

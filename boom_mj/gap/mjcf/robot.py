@@ -36,7 +36,7 @@ class Robot(Subject):
     """
 
     fidelity = Fidelity(BASE, BASE, FINE, 0.5)
-    worth, spill = 0.2, 0.0
+    slack, worth, spill = 0.02, 0.2, 0.0
 
     def __init__(
         self,
