@@ -71,7 +71,7 @@ class Boom(Subject):
 
     block, window, still = BLOCK, 5.0, MOVING
     bands = (("static", 0.2), ("first mode", 0.8), ("second mode", 2.5), ("above", np.inf))
-    fidelity = Fidelity(COARSE, HINGES, FINE, 1 - (HINGES / FINE) ** ORDER)
+    fidelity = Fidelity(COARSE, HINGES, FINE, 1 - (HINGES / FINE) ** ORDER, alike=0.5)
     causes, slack, worth, spill = 2, 0.005, 0.5, 0.01
     words = Words(
         phases=("hold", "start", "move", "slew", "reversal", "after motion", "after release"),

@@ -1,8 +1,8 @@
 """What counts as a difference: noise, the model's own error, and nuisances that no one calls a cause.
 
 Residuals are whitened by V = D + e e^T in every channel, D = noise^2 + spread^2. What refining the model still changes
-is added by Richardson extrapolation; the spread is half of its size within half a second, and e, half of it as it
-is, lets a share of it be wrong all along a channel. Nuisances are linear columns b_i with prior deviations s_i, the
+is added by Richardson extrapolation; the spread is half of its size within half a second, and e, a share of it as it
+is (`Fidelity.alike`), may be wrong all along a channel. Nuisances are linear columns b_i with prior deviations s_i, the
 tolerances of the subject: zero offsets, initial states, what varies between healthy machines. They are estimated on the
 training entries and removed everywhere, so that with B = [b_i s_i] whitened
 
@@ -76,7 +76,7 @@ class Metric:
     @cached_property
     def _error(self) -> tuple[Array, Array]:
         """The scaled error that may be all along a channel, (N,), and how much of it counts as such, (channels,)."""
-        error = LEFT * self.mean_error * self.weight
+        error = self.campaign.subject.fidelity.alike * self.mean_error * self.weight
         square = np.bincount(self.campaign.channel_of, error**2, len(self.campaign.channels))
         return error, (1 - 1 / np.sqrt(1 + square)) / np.maximum(square, 1e-12)
 

@@ -49,12 +49,14 @@ class Fidelity:
         middle: of the base of all predictions.
         fine: of the check.
         shrunk: share of the middle level's error that going to the fine one takes away, 0 to 1.
+        alike: share of what is left to extrapolate that may be wrong alike all along a channel.
     """
 
     coarse: int
     middle: int
     fine: int
     shrunk: float
+    alike: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -8,13 +8,14 @@ import pytest
 
 from boom_mj.effects import make_effect
 from boom_mj.gap import Campaign
-from boom_mj.gap.boom import tolerances
-from boom_mj.gap.metric import LEFT, Metric, beside, of_size
+from boom_mj.gap.boom import Boom, tolerances
+from boom_mj.gap.metric import Metric, beside, of_size
 from boom_mj.logs import read_log
 from boom_mj.machine import load_machine
 from boom_mj.recording import window
 
 ROOT = Path(__file__).parents[2]
+ALIKE = Boom.fidelity.alike
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +32,7 @@ def metric() -> Metric:
 
 def test_products_of_whitened_vectors_are_those_of_the_inverse_covariance(metric: Metric):
     channel = metric.campaign.stretch(5)
-    noise, error = metric.campaign.noise[channel], LEFT * metric.mean_error[channel]
+    noise, error = metric.campaign.noise[channel], ALIKE * metric.mean_error[channel]
     covariance = np.diag(noise**2) + np.outer(error, error)
     x, y = np.random.default_rng(1).standard_normal((2, len(metric.weight)))
     ours = metric.white(x)[channel] @ metric.white(y)[channel]
@@ -41,7 +42,7 @@ def test_products_of_whitened_vectors_are_those_of_the_inverse_covariance(metric
 def test_an_error_all_along_a_channel_counts_no_more_than_its_share(metric: Metric):
     white = metric.white(metric.mean_error)
     for number in range(len(metric.campaign.channels)):
-        assert np.linalg.norm(white[metric.campaign.stretch(number)]) < 1 / LEFT
+        assert np.linalg.norm(white[metric.campaign.stretch(number)]) < 1 / ALIKE
 
 
 def test_an_effect_stands_for_its_tolerance(metric: Metric):
