@@ -1,15 +1,12 @@
 """A beam: one elastic link, clamped at its root, that bends in the plane of its height."""
 
 import math
-from pathlib import Path
 from typing import Literal, Self
 
 from pydantic import model_validator
 
-from boom_mj.errors import MachineFileError
-from boom_mj.files import parse_toml, read_text
 from boom_mj.machine.fields import Frozen, NonNegative, Point3
-from boom_mj.machine.model import Damping, ElasticLink, Machine, OffsetProfile, machine_file, parse
+from boom_mj.machine.model import Damping, ElasticLink, OffsetProfile
 
 
 class Clamp(Frozen):
@@ -66,14 +63,3 @@ class Beam(Frozen):
             if (given := getattr(self.link[0], name)) != allowed:
                 raise ValueError(f"link.{name} = {given}: a clamped link has none")
         return self
-
-
-def load_model(path: Path | str) -> Machine | Beam:
-    """Read a machine file of any kind: `kind = "beam"` is a beam, all others are booms.
-
-    Raises:
-        MachineFileError: see `load_machine`.
-    """
-    text = read_text(machine_file(path), MachineFileError)
-    beam = parse_toml(text, path, MachineFileError).get("kind") == "beam"
-    return parse(Beam, text, str(path)) if beam else parse(Machine, text, str(path))
