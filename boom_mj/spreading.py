@@ -10,7 +10,6 @@ import logging
 import multiprocessing
 import pickle
 import time
-import warnings
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
@@ -21,6 +20,7 @@ from importlib.util import find_spec
 from itertools import islice
 from queue import Queue
 from typing import Any, Generic, TypeVar, cast
+from uuid import uuid4
 
 from threadpoolctl import threadpool_limits
 
@@ -140,22 +140,27 @@ def _on_cluster(work: Callable[[Item], Result], items: Iterable[Item], address: 
         raise InputError(f"--cluster {address}: no Dask scheduler answers there") from error
     with client:
         _refuse_unfit(client, address)
-        with warnings.catch_warnings():
-            warnings.filterwarnings("ignore", "Sending large graph")
-            whole = client.submit(_same, work, pure=False)  # the scheduler keeps it: it outlives its workers
+        name = f"boom_mj-{uuid4()}"
+        plugin: Any = distributed.WorkerPlugin()
+        plugin.work = work
+        client.register_plugin(plugin, name)  # workers that come later have it, too; as a task it would be done again
         suspects: list[Item] = []
-        for done in _ended(client, whole, iter(items), alone=False):
-            if isinstance(done.error, distributed.scheduler.KilledWorker):
-                suspects.append(done.item)
-            else:
+        try:
+            for done in _ended(client, name, iter(items), alone=False):
+                if isinstance(done.error, distributed.scheduler.KilledWorker):
+                    suspects.append(done.item)
+                else:
+                    yield done
+            for done in _ended(client, name, iter(suspects), alone=True):
+                if isinstance(done.error, distributed.scheduler.KilledWorker):
+                    done = Done(done.item, None, _given_up(done.item, done.error.allowed_failures + 1))
                 yield done
-        for done in _ended(client, whole, iter(suspects), alone=True):
-            if isinstance(done.error, distributed.scheduler.KilledWorker):
-                done = Done(done.item, None, _given_up(done.item, done.error.allowed_failures + 1))
-            yield done
+        finally:
+            with suppress(OSError, TimeoutError):
+                client.unregister_worker_plugin(name)
 
 
-def _ended(client: Any, whole: Any, queue: Iterator[Item], alone: bool) -> Iterator[Done[Item, Any]]:
+def _ended(client: Any, plugin: str, queue: Iterator[Item], alone: bool) -> Iterator[Done[Item, Any]]:
     """Items as they end on a cluster; only as many are there at once as keep it busy.
 
     A result is taken off its worker as soon as it is there, lest the worker's death have it made again.
@@ -179,7 +184,7 @@ def _ended(client: Any, whole: Any, queue: Iterator[Item], alone: bool) -> Itera
             except OSError as error:
                 raise _without_scheduler(client) from error
         for item in islice(queue, max(0, room - len(waiting))):
-            future = client.submit(_call, whole, item, pure=False)
+            future = client.submit(_call_of, plugin, item, pure=False)
             waiting.add(future)
             future.add_done_callback(partial(take, item=item))
         if not waiting:
@@ -217,13 +222,17 @@ def _given_up(item: object, deaths: int) -> WorkerError:
     return WorkerError(f"{item}: {deaths} processes that had begun it died, perhaps for want of memory; given up")
 
 
-def _same(work: Any) -> Any:
-    return work
-
-
 def _call(work: Callable[[Item], Result], item: Item) -> Result:
     with threadpool_limits(1):
         return work(item)
+
+
+def _call_of(plugin: str, item: Any) -> Any:
+    """An item on a worker of a cluster."""
+    from dask.distributed import get_worker
+
+    worker: Any = get_worker()
+    return _call(worker.plugins[plugin].work, item)
 
 
 _work: list[Any] = []  # of this process: packed, and from its first item on unpacked
