@@ -74,7 +74,7 @@ class Campaign:
         self.pool = ThreadPoolExecutor(threads or os.cpu_count() or 1)
         self.simulated_s = 0.0
         self._futures: dict[tuple, Future] = {}
-        self._dense: dict[tuple, dict[str, Signal]] = {}
+        self._dense: dict[tuple, Future[dict[str, Signal]]] = {}  # the latest asked for last
         self._parts: dict[tuple, Array] = {}
         self._lock = Lock()
         self.channels = tuple(channel for index in range(len(recordings)) for channel in self._channels(index))
@@ -153,8 +153,15 @@ class Campaign:
             training_only: leave out recordings that are held out whole.
         """
         indices = range(self.training if training_only else len(self.recordings))
-        futures = [[self._submit(hypothesis, level, index) for index in indices] for hypothesis in hypotheses]
-        return [self._stack([future.result() for future in row]) for row in futures]
+        alike: dict[frozenset, list[int]] = {}  # those that differ in their sensors only go together
+        for number, hypothesis in enumerate(hypotheses):
+            alike.setdefault(frozenset(self.subject.split(hypothesis)[0]), []).append(number)
+        futures = {
+            number: [self._submit(hypotheses[number], level, index) for index in indices]
+            for numbers in alike.values()
+            for number in numbers
+        }
+        return [self._stack([part.result() for part in futures[number]]) for number in range(len(hypotheses))]
 
     def _stack(self, parts: Sequence[Array]) -> Array:
         vector = np.concatenate(parts)
@@ -175,20 +182,18 @@ class Campaign:
             return np.full(sum(len(channel.time) for channel in channels), np.nan)
         healthy = not self.subject.split(hypothesis)[0]
         parts = []
-        for channel in channels:
-            unaltered = healthy and signals[channel.signal] is dense[channel.signal]
-            key = (level, index, channel.signal, channel.column) if unaltered else None
-            parts.append(self._means(channel, signals[channel.signal], key))
+        for name in dict.fromkeys(channel.signal for channel in channels):
+            key = (level, index, name) if healthy and signals[name] is dense[name] else None
+            parts.append(self._means(index, name, signals[name], key))
         return np.concatenate(parts)
 
-    def _means(self, channel: Channel, signal: Signal, key: tuple | None) -> Array:
-        """Means over the blocks of a channel, NaN where it was hidden; kept under the key, if there is one."""
+    def _means(self, index: int, name: str, signal: Signal, key: tuple | None) -> Array:
+        """Block means of a signal's channels, one after the other, NaN where hidden; kept under the key, if any."""
         if key is not None and key in self._parts:
             return self._parts[key]
-        elapsed = self._elapsed(channel.recording, channel.signal)
-        values = np.interp(elapsed, signal.time, signal.values[:, channel.column])
-        values[np.isnan(self.recordings[channel.recording][channel.signal].values[:, channel.column])] = np.nan
-        means = block_means(elapsed, values, self.subject.block)[2]
+        elapsed, hidden = self._elapsed(index, name), np.isnan(self.recordings[index][name].values)
+        values = np.where(hidden, np.nan, sample(signal, elapsed))
+        means = block_means(elapsed, values, self.subject.block)[2].T.ravel()
         if key is not None:
             self._parts[key] = means
         return means
@@ -210,15 +215,24 @@ class Campaign:
         return dense, self.subject.altered(sensing, dense)
 
     def _dense_signals(self, hypothesis: Hypothesis, level: int, index: int) -> dict[str, Signal]:
+        """Simulated once, whoever else asks meanwhile; those of the nominal machine stay, others for a while."""
         key = (frozenset(hypothesis), level, index)
-        if key in self._dense:
-            return self._dense[key]
-        signals = self.subject.simulate(hypothesis, level, index, self.recordings[index])
         with self._lock:
-            self.simulated_s += max(signal.time[-1] for signal in signals.values())
-            if key[0] == frozenset() or len(self._dense) < KEPT:
-                self._dense[key] = signals
-        return signals
+            known = self._dense.pop(key, None)
+            future = self._dense[key] = known or Future()
+            passing = [k for k in self._dense if k[0]]
+            if len(passing) > KEPT:
+                del self._dense[passing[0]]
+        if known is None:
+            try:
+                signals = self.subject.simulate(hypothesis, level, index, self.recordings[index])
+            except BaseException as error:
+                future.set_exception(error)
+            else:
+                with self._lock:
+                    self.simulated_s += max(signal.time[-1] for signal in signals.values())
+                future.set_result(signals)
+        return future.result()
 
     def _elapsed(self, index: int, signal: str) -> Array:
         log = self.recordings[index]

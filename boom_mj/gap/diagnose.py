@@ -24,6 +24,7 @@ SMALLEST = 0.10  # fall of the held-out mean square that counts
 QUIET = 1.15  # held-out gap up to which nothing needs explaining
 ROUNDS, WORSE = 3, 1.2  # of polishing, and the growth of the training gap at which it is given up
 NEAR = 0.05  # of a size worth finding, within which nuisances and model error stay what they are
+HOPE = 0.9  # of what the best explanation leaves, above which a combination is not fitted again
 CLOSE = 1.5  # times the best held-out gap, up to which a rival is fitted again
 TIE = 0.03  # closure within which rivals tie
 
@@ -157,17 +158,19 @@ def _combine(contest: list[Judged], size: int, without: Sequence[str], tell: Cal
     candidates: dict[tuple, Candidate] = {}
     for leader in [judged for judged in contest if len(judged.fit.effects) == size - 1][:LEADERS]:
         tell(f"screening beside {leader.label}")
-        found, metric = leader.fit, leader.metric
+        known, metric = leader.fit, leader.metric
         signatures = Signatures(
-            metric, everywhere(metric.campaign.subject, without), spectral_lines(metric, found.residual), found.effects
+            metric, everywhere(metric.campaign.subject, without), spectral_lines(metric, known.residual), known.effects
         )
-        raw = metric.residual(*metric.predict([found.effects]))
-        for partner in signatures.rank(raw, found.jacobian)[:SECONDS]:
-            pair = Candidate((*found.effects, *partner.candidate.effects))
+        raw = metric.residual(*metric.predict([known.effects]))
+        for partner in signatures.rank(raw, known.jacobian)[:SECONDS]:
+            pair = Candidate((*known.effects, *partner.candidate.effects))
             candidates.setdefault(pair.places, pair)
     tell("combinations: " + ", ".join(p.label for p in candidates.values()))
-    pairs = _polished(_fit_all(contest[0].metric, list(candidates.values())), tell)
-    return sorted([*contest, *pairs], key=lambda j: j.held_out)
+    found = _fit_all(contest[0].metric, list(candidates.values()))
+    enough = 1 + HOPE * (contest[0].held_out - 1)
+    hopeful, hopeless = [j for j in found if j.held_out < enough], [j for j in found if j.held_out >= enough]
+    return sorted([*contest, *hopeless, *_polished(hopeful, tell)], key=lambda j: j.held_out)
 
 
 def _without_one(contest: list[Judged]) -> list[Judged]:
