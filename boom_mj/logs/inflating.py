@@ -18,10 +18,12 @@ class Inflater:
 
     Args:
         size: of the log, bytes.
+        ratio: times its size, to which it may inflate beyond `FREE` bytes.
     """
 
-    def __init__(self, size: int) -> None:
-        self.left = self.allowed = FREE + RATIO * size
+    def __init__(self, size: int, ratio: int = RATIO) -> None:
+        self.ratio = ratio
+        self.left = self.allowed = FREE + ratio * size
 
     def inflate(self, data: bytes, compression: str, size: int | None = None) -> bytes:
         """Content of a part; of a broken one what is there.
@@ -30,7 +32,7 @@ class Inflater:
             size: that it says it has; no more than one byte beyond it is inflated.
 
         Raises:
-            InflationError: all parts together are larger than `FREE` bytes and `RATIO` times the log.
+            InflationError: all parts together are larger than `FREE` bytes and so many times the log.
         """
         most = min(self.left, size if size is not None else self.left) + 1
         if compression == "":
@@ -52,4 +54,4 @@ class Inflater:
         """Count bytes that were inflated elsewhere."""
         self.left -= size
         if self.left < 0:
-            raise InflationError(f"it inflates to more than {self.allowed} bytes, {RATIO} times its size")
+            raise InflationError(f"it inflates to more than {self.allowed} bytes, {self.ratio} times its size")

@@ -211,7 +211,7 @@ class _Tally:
         own: dict[str, Times] = {}
         if self.rows:
             rows = np.concatenate(self.rows)
-            for i, name in enumerate(self.ranges[ALL]):
+            for i, name in enumerate(self.ranges.get(ALL, {})):  # not of thousands of columns
                 if len(rows) > 1 and (np.diff(rows[:, i]) > 0).mean() > 0.9:
                     own[name] = times(np.round(rows[:, i] * 1e9))
             own = {name: run for name, run in own.items() if TIME.match(name)} or own

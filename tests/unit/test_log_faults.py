@@ -1,5 +1,8 @@
 """Faults of logs are handled aloud, or refused by file, topic, joint and time."""
 
+import gzip
+import os
+
 import numpy as np
 import pytest
 from foreign import (
@@ -19,6 +22,7 @@ from foreign import (
 
 from boom_mj.errors import LogError, LogWarning
 from boom_mj.logs import read_log, write_mcap
+from boom_mj.logs.inspection import inspect_log
 from boom_mj.logs.topic_map import Entry
 
 
@@ -125,3 +129,17 @@ def test_tables_are_refused_by_row_and_column(text, says, tmp_path):
     entry = angles_entry(topic="table", field="columns", source=tuple("abcde"), time="t")
     with pytest.raises(LogError, match=says):
         read(tmp_path / "log.csv", entry)
+
+
+def test_zeros_behind_a_gzipped_table_are_no_end_without_end(tmp_path):
+    path = tmp_path / "log.csv.gz"
+    path.write_bytes(gzip.compress(b"t,a\n0,1\n"))
+    os.truncate(path, 2**34)
+    with pytest.raises(LogError, match="damaged: it ends in zeros"):
+        inspect_log(path)
+
+
+def test_a_table_of_very_many_columns_is_inspected_without_them(tmp_path):
+    (tmp_path / "log.csv").write_text(",".join(f"c{k}" for k in range(20_000)) + "\n" + "0," * 19_999 + "0\n")
+    (topic,) = inspect_log(tmp_path / "log.csv").topics
+    assert (topic.count, topic.fields) == (1, {})

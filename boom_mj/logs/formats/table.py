@@ -5,6 +5,7 @@ A table is one topic, "table", whose times are those of its time column, if a to
 
 import csv
 import gzip
+import os
 import zlib
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
@@ -20,6 +21,8 @@ from boom_mj.logs.inflating import Inflater
 TOPIC = "table"
 SUFFIXES = (".csv", ".csv.gz", ".tsv", ".tsv.gz")
 LONGEST = 2**20  # characters of a line
+RATIO = 20  # to which text inflates
+PADDING = 64  # bytes of zeros that no gzipped file ends in
 BATCH = 8192  # rows that are handed on together
 
 
@@ -35,7 +38,7 @@ def lines(path: Path) -> Iterator[str]:
         LogError: damage, a line longer than LONGEST, or what inflates to far more than it is.
     """
     try:
-        inflater = Inflater(path.stat().st_size)
+        inflater = Inflater(path.stat().st_size, RATIO)
         with _text(path) as stream:
             while line := stream.readline(LONGEST + 1):
                 if len(line) > LONGEST:
@@ -48,6 +51,10 @@ def lines(path: Path) -> Iterator[str]:
 
 def _text(path: Path) -> IO[str]:
     if path.suffix == ".gz":
+        with path.open("rb") as file:
+            file.seek(-min(PADDING, path.stat().st_size), os.SEEK_END)
+            if not file.read().strip(b"\0"):
+                raise ValueError("it ends in zeros")  # which gzip would skip one by one
         return gzip.open(path, "rt", encoding="utf-8-sig", newline="")
     return path.open(encoding="utf-8-sig", newline="")
 
@@ -100,7 +107,8 @@ def numbers(cells: Sequence[str]) -> Array:
     try:
         return np.array(cells, dtype=np.float64)
     except ValueError:
-        return np.array([float(cell) if _is_number(cell) else np.nan for cell in cells])
+        values = {cell: float(cell) if _is_number(cell) else np.nan for cell in set(cells)}  # texts repeat
+        return np.array([values[cell] for cell in cells])
 
 
 def _is_number(cell: str) -> bool:
