@@ -44,15 +44,15 @@ def make(
     from boom_mj.cli.progress import progress
     from boom_mj.gap.blind import MIX, SHORT, SUITE, make_cases
 
-    if output.resolve() in seed_file.resolve().parents:
-        raise InputError(f"{seed_file}: the seed file must lie outside {output}")
     output_folder(output)
     output_path(seal)
+    secret = read_bytes(seed_file, InputError)
+    if output.resolve() in seed_file.resolve().parents:
+        raise InputError(f"{seed_file}: the seed file must lie outside {output}")
     find_machine(machine)
     suite, shares = SHORT if short else SUITE, _shares(mix) if mix else dict(MIX)
     with progress() as report:
-        secret, text = read_bytes(seed_file, InputError), machine_text(machine)
-        for done in make_cases(cases, secret, text, suite, shares, output, seal, jobs, cluster):
+        for done in make_cases(cases, secret, machine_text(machine), suite, shares, output, seal, jobs, cluster):
             report("cases", done, cases)
     print(f"{cases} cases in {output}, sealed in {seal}: {(output / 'seal.sha256').read_text().strip()}")
 
