@@ -1,6 +1,7 @@
 """gap blind: make cases whose effect is sealed, diagnose them without knowing it, open the seal and score."""
 
 import json
+import os
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -137,7 +138,7 @@ def score(
 
 
 def _answers(folder: Path, given: Path | None) -> Path:
-    return given or folder.with_name(f"{folder.resolve().name}-answers")
+    return given or folder.with_name(f"{Path(os.path.realpath(folder)).name}-answers")
 
 
 def _shares(mix: str) -> dict[str, float]:

@@ -22,7 +22,6 @@ from boom_mj.sensors import sample
 from boom_mj.sensors.blocks import block_means, own_noise
 
 Array = np.ndarray
-KEPT = 24  # dense simulations kept for hypotheses that differ in their sensors only
 
 
 @dataclass(frozen=True)
@@ -71,7 +70,9 @@ class Campaign:
             raise LogError("a diagnosis needs at least one recording to learn from")
         self.subject = subject if isinstance(subject, Subject) else Boom(subject)
         self.recordings, self.training = tuple(recordings), training
-        self.pool = ThreadPoolExecutor(threads or os.cpu_count() or 1)
+        threads = threads or os.cpu_count() or 1
+        self.pool = ThreadPoolExecutor(threads)
+        self.kept = len(recordings) + threads  # dense simulations, for hypotheses that differ in their sensors only
         self.simulated_s = 0.0
         self._futures: dict[tuple, Future] = {}
         self._dense: dict[tuple, Future[dict[str, Signal]]] = {}  # the latest asked for last
@@ -221,7 +222,7 @@ class Campaign:
             known = self._dense.pop(key, None)
             future = self._dense[key] = known or Future()
             passing = [k for k in self._dense if k[0]]
-            if len(passing) > KEPT:
+            if len(passing) > self.kept:
                 del self._dense[passing[0]]
         if known is None:
             try:

@@ -147,21 +147,26 @@ class Plant:
 
     def modes(self, qpos: Array) -> Vibration:
         """Frequencies, damping ratios and shapes of small vibration about qpos with the joints held."""
+        square, damping, shape = self._modes(qpos)
+        omega = np.sqrt(np.maximum(square, 0))
+        return Vibration(omega / (2 * np.pi), damping / (2 * omega), shape)
+
+    def _modes(self, qpos: Array) -> tuple[Array, Array, Array]:
+        """Modal stiffness (1/s^2, negative where it falls), modal damping (1/s), (m,) each, and shapes (m, m)."""
         held = np.ix_(self.elastic, self.elastic)
         with numbers_of(self.machine.name, EquilibriumError):
             square, shape = eigh(self.stiffness(qpos), self.mass_matrix(qpos)[held])
-        omega = np.sqrt(np.maximum(square, 0))
-        damping = np.einsum("ij,i,ij->j", shape, self.model.dof_damping[self.elastic], shape)
-        return Vibration(omega / (2 * np.pi), damping / (2 * omega), shape)
+        return square, np.einsum("ij,i,ij->j", shape, self.model.dof_damping[self.elastic], shape), shape
 
     def stable(self, qpos: Array) -> bool:
-        """Whether the model's step keeps all modes about qpos bounded: (w h)^2 < 4 + 4 zeta w h for each.
+        """Whether the model's step keeps all modes about qpos bounded: (w h)^2 < 4 + 2 d h for each, d = 2 zeta w.
 
-        That is the bound of semi-implicit Euler steps h with damping taken implicitly.
+        That is the bound of semi-implicit Euler steps h with damping taken implicitly. A pendulum on its head falls,
+        which is none of the step's doing.
         """
-        modes = self.modes(qpos)
-        turn = 2 * np.pi * modes.frequency * self.model.opt.timestep
-        return bool(np.all(turn**2 < 4 + 4 * modes.damping_ratio * turn))
+        square, damping, _ = self._modes(qpos)
+        step = self.model.opt.timestep
+        return bool(np.all(square * step**2 < 4 + 2 * damping * step))
 
     def static_torques(self, qpos: Array, tip_force: Array | None = None) -> Array:
         """Drive torques of joints 1-5 at rest, (5,), N m."""

@@ -99,7 +99,7 @@ def step_times(plant: Plant, duration: float) -> Array:
             f"{duration:.6g} s are too long for one simulation of {plant.machine.name}: up to {LONGEST:g} s and "
             f"{MOST_STEPS} steps, here of {step:.3g} s, are simulated"
         )
-    return step * np.arange(int(np.ceil(duration / step - 1e-9)) + 1)
+    return step * np.arange(max(int(np.ceil(duration / step - 1e-9)), 1) + 1)
 
 
 def run(plant: Plant, angles: Array, tip_force: Array) -> Trajectory:

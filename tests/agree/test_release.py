@@ -117,3 +117,11 @@ def test_simulations_break_where_steps_are_called_unstable():
         else:
             with pytest.raises(SimulationError):
                 run_experiment(plant, rest)
+
+
+def test_a_play_that_nothing_holds_does_not_make_steps_unstable():
+    effects = [make_effect("base_tilt", {"pitch": -0.006}), make_effect("joint_play", {"joint": 3, "half_gap": 0.003})]
+    plant = make_plant(BOOM, 2, effects)
+    q = np.zeros(plant.model.nq)
+    assert np.linalg.eigvalsh(plant.stiffness(q)).min() < 0  # within the gap the weight tips the boom over
+    assert plant.stable(q)
