@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from boom_mj.errors import MachineFileError
 from boom_mj.machine.model import Machine
 
 Array = np.ndarray
@@ -47,12 +48,21 @@ def cylinder_forces(machine: Machine, angles: Array, torques: Array) -> Array:
         torques: joint torques, (..., 5), N m.
 
     Returns:
-        (..., 2), N, positive in compression (the cylinder pushes).
+        (..., 2), N, positive in compression (the cylinder pushes); NaN where a linkage does not reach.
+
+    Raises:
+        MachineFileError: a cylinder has no moment arm.
     """
     arms = [
         moment_arm(cylinder2_length, machine, angles[..., 1]),
         moment_arm(cylinder3_length, machine, angles[..., 2]),
     ]
+    for number, arm, angle in zip((2, 3), arms, (angles[..., 1], angles[..., 2])):
+        if np.any(arm == 0):
+            where = np.degrees(np.ravel(angle)[np.argmin(np.abs(np.ravel(arm)))])
+            raise MachineFileError(
+                f"{machine.name}: cylinder{number} has no moment arm at joint{number} = {where:.2f} deg"
+            )
     return torques[..., 1:3] / np.stack(arms, axis=-1)
 
 

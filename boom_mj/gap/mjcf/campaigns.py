@@ -32,7 +32,8 @@ def robot_campaign(
     path = model_file or inside(map_file.parent, channels.model, InputError, map_file)
     spec = load_model(path)
     if channels.window > MOST_STEPS * spec.option.timestep:
-        raise InputError(f"{path}: {spec.option.timestep} s is too short a step for a window of {channels.window} s")
+        step, window = spec.option.timestep, channels.window
+        raise InputError(f"{map_file}: a window of {window} s is too long for steps of {step} s, those of {path}")
     learnt, judged = [], []
     for log in logs:
         found = stretches_of(log, channels)
