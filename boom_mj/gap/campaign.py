@@ -22,6 +22,7 @@ from boom_mj.sensors import sample
 from boom_mj.sensors.blocks import block_means, own_noise
 
 Array = np.ndarray
+KEPT = 1500  # predictions of single recordings, some 0.2 MB each
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,7 @@ class Campaign:
         self.pool = ThreadPoolExecutor(threads)
         self.kept = len(recordings) + threads  # dense simulations, for hypotheses that differ in their sensors only
         self.simulated_s = 0.0
-        self._futures: dict[tuple, Future] = {}
+        self._futures: dict[tuple, Future[Array]] = {}  # of predictions, the latest asked for last
         self._dense: dict[tuple, Future[dict[str, Signal]]] = {}  # the latest asked for last
         self._parts: dict[tuple, Array] = {}
         self._lock = Lock()
@@ -171,9 +172,11 @@ class Campaign:
     def _submit(self, hypothesis: Hypothesis, level: int, index: int) -> Future:
         key = (frozenset(hypothesis), level, index)
         with self._lock:
-            if key not in self._futures:
-                self._futures[key] = self.pool.submit(self._block_means, hypothesis, level, index)
-            return self._futures[key]
+            future = self._futures.pop(key, None) or self.pool.submit(self._block_means, hypothesis, level, index)
+            self._futures[key] = future
+            if len(self._futures) > KEPT:
+                del self._futures[next(iter(self._futures))]
+            return future
 
     def _block_means(self, hypothesis: Hypothesis, level: int, index: int) -> Array:
         channels = [channel for channel in self.channels if channel.recording == index]
