@@ -22,6 +22,7 @@ SECONDS = 2  # partners tried for each of the best singles
 LEADERS = 2  # of which combinations are tried, and which are fitted again
 SMALLEST = 0.10  # fall of the held-out mean square that counts
 QUIET = 1.15  # held-out gap up to which nothing needs explaining
+SETTLED = 1.06  # held-out gap that an explanation may leave; right ones leave 0.97 to 1.01
 ROUNDS, WORSE = 3, 1.2  # of polishing, and the growth of the training gap at which it is given up
 NEAR = 0.05  # of a size worth finding, within which nuisances and model error stay what they are
 HOPE = 0.9  # of what the best explanation leaves, above which a combination is not fitted again
@@ -137,7 +138,7 @@ def _fit_all(metric: Metric, candidates: Sequence[Candidate]) -> list[Judged]:
 
 def solved(before: float, found: Judged) -> bool:
     """Whether an explanation leaves a held-out gap that is no more than noise and its own inaccuracy."""
-    return found.held_out <= QUIET + found.metric.campaign.subject.slack * (before - 1)
+    return found.held_out <= SETTLED + found.metric.campaign.subject.slack * (before - 1)
 
 
 def _simpler(contest: Sequence[Judged]) -> list[Candidate]:
