@@ -25,7 +25,7 @@ QUIET = 1.15  # held-out gap up to which nothing needs explaining
 SETTLED = 1.06  # held-out gap that an explanation may leave; right ones leave 0.97 to 1.01
 ROUNDS, WORSE = 3, 1.2  # of polishing, and the growth of the training gap at which it is given up
 NEAR = 0.05  # of a size worth finding, within which nuisances and model error stay what they are
-HOPE = 0.9  # of what the best explanation leaves, above which a combination is not fitted again
+HOPE = 0.9  # of what there was to explain: what leaves more is not fitted again
 CLOSE = 1.5  # times the best held-out gap, up to which a rival is fitted again
 TIE = 0.03  # closure within which rivals tie
 
@@ -88,7 +88,7 @@ def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], 
     tell("contest of " + ", ".join(s.candidate.label for s in screened[:FINALISTS]))
     contest = _fit_all(metric, [s.candidate for s in shortlist(screened)])
     if contest and before > QUIET:
-        contest = _polished(contest, tell)
+        contest = _polished(contest, before, tell)
         contest = sorted([*contest, *_fit_all(metric, _simpler(contest))], key=lambda j: j.held_out)
         for size in range(2, campaign.subject.causes + 1):
             if not solved(before, contest[0]):
@@ -169,9 +169,7 @@ def _combine(contest: list[Judged], size: int, without: Sequence[str], tell: Cal
             candidates.setdefault(pair.places, pair)
     tell("combinations: " + ", ".join(p.label for p in candidates.values()))
     found = _fit_all(contest[0].metric, list(candidates.values()))
-    enough = 1 + HOPE * (contest[0].held_out - 1)
-    hopeful, hopeless = [j for j in found if j.held_out < enough], [j for j in found if j.held_out >= enough]
-    return sorted([*contest, *hopeless, *_polished(hopeful, tell)], key=lambda j: j.held_out)
+    return sorted([*contest, *_polished(found, contest[0].held_out, tell)], key=lambda j: j.held_out)
 
 
 def _without_one(contest: list[Judged]) -> list[Judged]:
@@ -186,9 +184,10 @@ def _without_one(contest: list[Judged]) -> list[Judged]:
     return sorted(best_of.values(), key=lambda j: j.held_out)
 
 
-def _polished(contest: Sequence[Judged], tell: Callable[[str], None]) -> list[Judged]:
-    """The best fitted again, and those that come close to it."""
-    close = [j for j in contest if j.held_out < CLOSE * contest[0].held_out][:LEADERS]
+def _polished(contest: Sequence[Judged], before: float, tell: Callable[[str], None]) -> list[Judged]:
+    """The best fitted again, and those that come close to it, unless they leave almost all that there was before."""
+    enough = 1 + HOPE * (before - 1)
+    close = [j for j in contest if j.held_out < min(CLOSE * contest[0].held_out, enough)][:LEADERS]
     polished = []
     for judged in close:
         polished.append(_polish(judged))
