@@ -74,6 +74,8 @@ def attempt(
         before: called in the process first.
     """
     said, told = folder / ".said", folder / ".told"
+    said.touch()  # the child may be killed before it can
+    told.touch()
     sys.stdout.flush()
     sys.stderr.flush()
     began = time.monotonic()
