@@ -25,6 +25,7 @@ from boom_mj.cli import run
 
 MEMORY, SECONDS = 4 * 2**30, 60  # bytes of address space, s of CPU
 CRASHED = 70
+STOPS = {signal.SIGINT, signal.SIGTERM}
 OUTCOMES = ("clear error", "accepted", "crash", "blow-up", "killed")
 
 
@@ -74,14 +75,16 @@ def attempt(
         before: called in the process first.
     """
     said, told = folder / ".said", folder / ".told"
-    said.touch()  # the child may be killed before it can
+    said.touch()  # a child may be killed before it says anything
     told.touch()
     sys.stdout.flush()
     sys.stderr.flush()
     began = time.monotonic()
+    signal.pthread_sigmask(signal.SIG_BLOCK, STOPS)  # lest the child leaves this function by an exception
     child = os.fork()
     if child == 0:
         _be_the_command([str(a) for a in arguments], folder, said, told, memory, seconds, file_size, before)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, STOPS)
     if kill is not None:
         time.sleep(kill[1])
         with suppress(ProcessLookupError):
@@ -127,12 +130,16 @@ def _be_the_command(
         signal.signal(signal.SIGINT, signal.default_int_handler)
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # as `main` has it
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, STOPS)
         if before is not None:
             before()
         status = run(arguments)
+        signal.pthread_sigmask(signal.SIG_BLOCK, STOPS)
     except BaseException:
+        signal.pthread_sigmask(signal.SIG_BLOCK, STOPS)
         traceback.print_exc()
-    with suppress(BaseException):
-        sys.stdout.flush()
-        sys.stderr.flush()
-    os._exit(status)
+    finally:
+        with suppress(BaseException):
+            sys.stdout.flush()
+            sys.stderr.flush()
+        os._exit(status)
