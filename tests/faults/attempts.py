@@ -80,11 +80,13 @@ def attempt(
     sys.stdout.flush()
     sys.stderr.flush()
     began = time.monotonic()
-    signal.pthread_sigmask(signal.SIG_BLOCK, STOPS)  # lest the child leaves this function by an exception
+    listening, begun = os.pipe()
     child = os.fork()
     if child == 0:
-        _be_the_command([str(a) for a in arguments], folder, said, told, memory, seconds, file_size, before)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, STOPS)
+        _be_the_command([str(a) for a in arguments], folder, said, told, memory, seconds, file_size, before, begun)
+    os.close(begun)
+    os.read(listening, 1)  # until the command begins, or its process has ended
+    os.close(listening)
     if kill is not None:
         time.sleep(kill[1])
         with suppress(ProcessLookupError):
@@ -110,8 +112,9 @@ def _be_the_command(
     seconds: int,
     file_size: int | None,
     before: Callable[[], None] | None,
+    begun: int,
 ) -> None:
-    """The rest of a forked process."""
+    """The rest of a forked process; no signal lets it out."""
     status = CRASHED
     try:
         for number, path in ((1, said), (2, told)):
@@ -130,9 +133,9 @@ def _be_the_command(
         signal.signal(signal.SIGINT, signal.default_int_handler)
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # as `main` has it
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, STOPS)
         if before is not None:
             before()
+        os.write(begun, b".")
         status = run(arguments)
         signal.pthread_sigmask(signal.SIG_BLOCK, STOPS)
     except BaseException:
