@@ -23,6 +23,7 @@ from boom_mj.sensors.blocks import block_means, own_noise
 
 Array = np.ndarray
 KEPT = 1500  # predictions of single recordings, some 0.2 MB each
+SHARED = 4  # hypotheses whose dense simulations are kept, for others that differ in their sensors only
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,7 @@ class Campaign:
         self.recordings, self.training = tuple(recordings), training
         threads = threads or os.cpu_count() or 1
         self.pool = ThreadPoolExecutor(threads)
-        self.kept = len(recordings) + threads  # dense simulations, for hypotheses that differ in their sensors only
+        self.kept = SHARED * len(recordings) + threads
         self.simulated_s = 0.0
         self._futures: dict[tuple, Future[Array]] = {}  # of predictions, the latest asked for last
         self._dense: dict[tuple, Future[dict[str, Signal]]] = {}  # the latest asked for last

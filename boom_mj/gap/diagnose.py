@@ -22,7 +22,7 @@ SECONDS = 2  # partners tried for each of the best singles
 LEADERS = 2  # of which combinations are tried, and which are fitted again
 SMALLEST = 0.10  # fall of the held-out mean square that counts
 QUIET = 1.15  # held-out gap up to which nothing needs explaining
-SETTLED = 1.06  # held-out gap that an explanation may leave; right ones leave 0.97 to 1.01
+SETTLED = 1.06  # gap that an explanation may leave, held out or not; right ones leave 0.95 to 1.01
 ROUNDS, WORSE = 3, 1.2  # of polishing, and the growth of the training gap at which it is given up
 NEAR = 0.05  # of a size worth finding, within which nuisances and model error stay what they are
 HOPE = 0.9  # of what there was to explain: what leaves more is not fitted again
@@ -81,8 +81,8 @@ def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], 
     metric = make_metric(campaign)
     raw = metric.residual(metric.base)
     nominal = metric.clean(raw)
-    before = gap(metric, nominal, campaign.held_out)
-    tell(f"nominal gap {gap(metric, nominal, campaign.train):.2f} in training, {before:.2f} held out; screening")
+    learnt, before = (gap(metric, nominal, rows) for rows in (campaign.train, campaign.held_out))
+    tell(f"nominal gap {learnt:.2f} in training, {before:.2f} held out; screening")
     signatures = Signatures(metric, everywhere(campaign.subject, without), spectral_lines(metric, nominal))
     screened = signatures.rank(raw)
     tell("contest of " + ", ".join(s.candidate.label for s in screened[:FINALISTS]))
@@ -91,14 +91,14 @@ def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], 
         contest = _polished(contest, before, tell)
         contest = sorted([*contest, *_fit_all(metric, _simpler(contest))], key=lambda j: j.held_out)
         for size in range(2, campaign.subject.causes + 1):
-            if not solved(before, contest[0]):
+            if not solved((learnt, before), contest[0]):
                 contest = _combine(contest, size, without, tell)
         contest = _without_one(contest)
     best = choose(contest, before)
     share = closure(metric, nominal, best.fit.residual if best else nominal, campaign.held_out)
     verdict = "consistent" if before <= QUIET else "unexplained"
     ties: tuple[Judged, ...] = ()
-    if best and solved(before, best):
+    if best and solved((learnt, before), best):
         ties = tuple(j for j in contest if j is not best and _ties(metric, best, j, before))
         verdict = "ambiguous" if ties else "explained"
     elif best and before <= QUIET and before**2 - best.held_out**2 < 2 * SMALLEST:
@@ -136,9 +136,10 @@ def _fit_all(metric: Metric, candidates: Sequence[Candidate]) -> list[Judged]:
     return sorted(found, key=lambda j: j.held_out)
 
 
-def solved(before: float, found: Judged) -> bool:
-    """Whether an explanation leaves a held-out gap that is no more than noise and its own inaccuracy."""
-    return found.held_out <= SETTLED + found.metric.campaign.subject.slack * (before - 1)
+def solved(nominal: tuple[float, float], found: Judged) -> bool:
+    """Whether an explanation leaves no more than noise and its own inaccuracy, learnt from and held out."""
+    slack, left = found.metric.campaign.subject.slack, (found.train, found.held_out)
+    return all(after <= SETTLED + slack * (before - 1) for before, after in zip(nominal, left))
 
 
 def _simpler(contest: Sequence[Judged]) -> list[Candidate]:
