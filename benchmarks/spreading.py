@@ -269,6 +269,7 @@ def main() -> None:
         "efficiency": "\n".join(efficiency_rows(found)),
         "cores": str(found["cores"]),
         "turns": str(found["turns"]),
+        **{f"{name}_items": str(found["items"][name]) for name in ("simulation", "rendering", "diagnosis")},
         "case_logs": str(found["case"]["logs"]),
         "case_s": f"{found['case']['seconds']:.0f}",
         "machine_cores": str(CORES),

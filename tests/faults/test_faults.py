@@ -12,6 +12,7 @@ import hostile
 import numpy as np
 import pytest
 from campaign import Campaign
+from count import Count
 from inputs import ROOT, TARGETS, Target
 
 from boom_mj import load_experiment, load_machine, make_plant, run_experiment
@@ -90,7 +91,7 @@ def test_killed_at_any_moment(trying) -> None:
 
 
 def test_a_campaign_counts_what_should_not_be() -> None:
-    count = faults.Count()
+    count = Count()
     count.take("c", "cut", "l", "crash", ["x.part"], "story")
     count.take("c", "cut", "l", "clear error", [], "story")
     assert count.bad == 2 and len(count.stories) == 1
