@@ -7,7 +7,7 @@ import pytest
 
 from boom_mj.errors import ExperimentError
 from boom_mj.machine import load_machine
-from boom_mj.simulation import CATALOGUE, Experiment, load_experiment, smooth_angles
+from boom_mj.simulation import CATALOGUE, Experiment, load_experiment, make_plant, smooth_angles, step_times
 
 BOOM = load_machine(Path(__file__).parents[2] / "models" / "boom36.toml")
 
@@ -76,3 +76,8 @@ def test_smoothing_gives_back_rest_and_motion() -> None:
     assert np.sqrt(np.mean(error[~resting, 0] ** 2)) < noise
     acceleration = np.diff(smooth[resting & (fine < 2)], 2, axis=0) / 0.005**2
     assert np.abs(acceleration).max() < 1e-4  # rad/s^2: at 32 m a sixth of an accelerometer's noise
+
+
+def test_an_experiment_shorter_than_a_step_has_one() -> None:
+    plant = make_plant(BOOM, 1)
+    assert len(step_times(plant, 1e-308)) == 2

@@ -3,11 +3,12 @@
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 from pydantic import ValidationError
 
 from boom_mj.errors import MachineFileError
-from boom_mj.machine import load_machine, parse_machine
+from boom_mj.machine import cylinder_forces, load_machine, parse_machine
 
 TEXT = (Path(__file__).parents[2] / "models" / "boom36.toml").read_text()
 
@@ -59,3 +60,9 @@ def test_the_machine_is_frozen_and_in_radians() -> None:
         machine.links[0].length = 1.0
     assert machine.drives[1].range == pytest.approx((math.radians(-2), math.radians(88)))
     assert sum(link.length for link in machine.links) == pytest.approx(32.0)
+
+
+def test_a_cylinder_without_a_moment_arm_is_named() -> None:
+    machine = parse_machine(TEXT.replace("rocker_length = 0.80", "rocker_length = 1e15"))
+    with pytest.raises(MachineFileError, match=r"boom36: cylinder3 has no moment arm at joint3 = -35\.00 deg"):
+        cylinder_forces(machine, np.radians([[0, 60, -35, 0, 0]]), np.ones((1, 5)))
