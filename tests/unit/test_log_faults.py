@@ -137,6 +137,9 @@ def test_zeros_behind_a_gzipped_table_are_no_end_without_end(tmp_path):
     os.truncate(path, 2**34)
     with pytest.raises(LogError, match="damaged: it ends in zeros"):
         inspect_log(path)
+    os.truncate(path, 0)
+    with pytest.raises(LogError, match="is empty"):
+        inspect_log(path)
 
 
 def test_a_table_of_very_many_columns_is_inspected_without_them(tmp_path):

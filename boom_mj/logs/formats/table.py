@@ -53,7 +53,7 @@ def _text(path: Path) -> IO[str]:
     if path.suffix == ".gz":
         with path.open("rb") as file:
             file.seek(-min(PADDING, path.stat().st_size), os.SEEK_END)
-            if not file.read().strip(b"\0"):
+            if (end := file.read()) and not end.strip(b"\0"):
                 raise ValueError("it ends in zeros")  # which gzip would skip one by one
         return gzip.open(path, "rt", encoding="utf-8-sig", newline="")
     return path.open(encoding="utf-8-sig", newline="")
