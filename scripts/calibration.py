@@ -1,6 +1,6 @@
 """Planted truth: machines about boom36 that are calibrated from their own noisy recordings. Prints the table.
 
-python scripts/calibration.py FOLDER [--machines 50] [--jobs 1 | --cluster ADDRESS] [--table FILE.md]
+python scripts/calibration.py FOLDER [--machines 50] [--first 0] [--jobs 1 | --cluster ADDRESS] [--table FILE.md]
                               [--tracked EXPERIMENT ... [--filmed FROM TO EVERY SCALE]]
 
 Stiffness +-20 %, masses +-10 %, damping x 0.5 to 2, zero offsets of joints +-0.3 deg, all drawn evenly; the paper's
@@ -161,6 +161,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--machines", type=int, default=50)
+    parser.add_argument("--first", type=int, default=0, help="number of the first machine, which seeds it")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--cluster", metavar="ADDRESS")
     parser.add_argument("--tracked", nargs="*", default=(), choices=[plan.name for plan in PAPER])
@@ -170,7 +171,8 @@ def main() -> None:
     given.folder = given.folder.resolve()
     given.folder.mkdir(parents=True, exist_ok=True)
     orders = [
-        Order(given.folder, number, tuple(given.tracked), tuple(given.filmed)) for number in range(given.machines)
+        Order(given.folder, number, tuple(given.tracked), tuple(given.filmed))
+        for number in range(given.first, given.first + given.machines)
     ]
     missing = [order for order in orders if not order.file.exists()]
     began = time.monotonic()

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from boom_mj.calibration.calibrate import Calibration
-from boom_mj.calibration.evidence import COARSE, HINGES
+from boom_mj.calibration.evidence import COARSE, FINEST, HINGES
 from boom_mj.calibration.parameters import JOINTS, Setting
 from boom_mj.errors import MachineFileError
 from boom_mj.machine import parse_machine
@@ -44,7 +44,7 @@ def document(found: Calibration, names: Sequence[str]) -> dict[str, Any]:
         "gap": {"before": _rms(before, used), "after": _rms(refined.residual, used), "floor": 1.0, "groups": gaps},
         "provenance": {
             "recordings": list(names),
-            "hinges": {"sensitivities": COARSE, "predictions": HINGES},
+            "hinges": {"sensitivities": COARSE, "predictions": HINGES, "correction": FINEST},
             "simulated_s": evidence.simulated_s,
             "wall_s": found.duration,
             "status": refined.status,

@@ -48,7 +48,7 @@ class Calibration:
     @property
     def setting(self) -> Setting:
         """The calibrated machine and the zero offsets."""
-        return self.refined.space.at(self.refined.coordinates)
+        return self.refined.setting
 
     @property
     def nominal(self) -> Setting:
@@ -92,8 +92,8 @@ def calibrate(
         tell(f"{len(features.rests)} rests and {len(features.releases)} releases in {len(recordings)} recordings")
         begin = approach(features, whole, tell)
         tell(f"sensitivities of {len(whole.knobs)} parameters and {JOINTS} zero offsets")
-        weight = evidence.fidelity(whole.at(begin))[1]
-        jacobian = sensitivities(evidence, whole, begin, weight)
+        fidelity = evidence.fidelity(whole.at(begin))
+        jacobian = sensitivities(evidence, whole, begin, fidelity[1])
         identified = identify(jacobian, whole)
         space, given_up = simplify(jacobian, whole)
         for sentence in given_up:
@@ -102,9 +102,10 @@ def calibrate(
             raise LogError(f"these recordings tell nothing of {', '.join(kinds)}")
         gathering = space.gathering(whole)
         share = gathering / gathering.sum(axis=0)
-        refined = refine(evidence, space, share.T @ begin, (jacobian @ gathering, weight), ROUGH, tell)
+        refined = refine(evidence, space, share.T @ begin, fidelity, jacobian @ gathering, ROUGH, tell)
         tell("again, with the model's own error taken where that has led")
-        refined = refine(evidence, space, refined.coordinates, (refined.jacobian, refined.weight), tell=tell)
+        fidelity = evidence.fidelity(refined.setting)
+        refined = refine(evidence, space, refined.coordinates, fidelity, refined.weighted(fidelity[1]), tell=tell)
         found = Calibration(
             machine, evidence, whole, identified, given_up, features, begin, refined, perf_counter() - began
         )

@@ -1,8 +1,8 @@
 """What was measured, as one long vector, and what a machine would have given.
 
 Every setting (a machine and zero offsets) is simulated at most once per recording and number of hinges, on threads.
-Refining the hinges from COARSE to HINGES changes the prediction by d; by Richardson d / (ratio^2 - 1) is what finer
-hinges still would, and a share of it counts as the model's own error.
+Refining the hinges from HINGES to FINEST changes the prediction by d; by Richardson d / (1 - ratio^-2) is what ever
+finer ones would, and a share of it counts as the model's own error.
 """
 
 import os
@@ -25,7 +25,7 @@ from boom_mj.simulation import Plant, Trajectory, run, step_times
 from boom_mj.simulation.plant import with_effects
 
 Array = np.ndarray
-COARSE, HINGES = 2, 4  # hinges of secants, and of what is compared with the measurements
+COARSE, HINGES, FINEST = 2, 4, 6  # hinges of secants, of what is compared with the measurements, of its correction
 PACE = 2.0  # steps of secants, in those of the plant
 ORDER = 2  # of convergence in the number of hinges
 LEFT = 0.5  # share of the extrapolated change that may be wrong
@@ -123,8 +123,8 @@ class Evidence:
 
     def fidelity(self, setting: Setting) -> tuple[Array, Array]:
         """What finer hinges would add to the prediction, (N,), and the weight 1 / deviation of every entry, (N,)."""
-        fine, coarse = (self.predict([setting], hinges)[0] for hinges in (HINGES, COARSE))
-        change = (fine - coarse) / ((HINGES / COARSE) ** ORDER - 1)
+        usual, fine = (self.predict([setting], hinges)[0] for hinges in (HINGES, FINEST))
+        change = (fine - usual) / (1 - (HINGES / FINEST) ** ORDER)
         size, first = np.empty_like(change), 0
         for block in self.blocks:
             part = slice(first, first := first + block.mean.size)

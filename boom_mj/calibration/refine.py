@@ -13,7 +13,7 @@ from scipy.optimize import least_squares
 from boom_mj.calibration.evidence import COARSE, HINGES, PACE, Evidence
 from boom_mj.calibration.identify import covariance
 from boom_mj.calibration.intervals import robust_variance
-from boom_mj.calibration.parameters import OFFSET, Space
+from boom_mj.calibration.parameters import OFFSET, Setting, Space
 
 Array = np.ndarray
 NEAR = 0.05  # of a logarithm, within which sensitivities stay
@@ -21,7 +21,7 @@ EVALUATIONS = 15  # of the refinement
 ENOUGH, ROUGH = 0.03, 3.0  # fall of the cost at which it ends: one deviation is a fall of 0.5
 FAILED = 1e3  # whitened residual of a simulation that left the numbers
 WINDOW = 5.0  # s, over which residuals may be correlated
-SYSTEMATIC = 0.5  # share of what the hinges' extrapolation moves that may be wrong
+SYSTEMATIC = 0.35  # share of what the hinges' extrapolation moves that may be wrong, by machines of six hinges
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +50,15 @@ class Refined:
     at_bound: tuple[str, ...]
     status: str
 
+    @property
+    def setting(self) -> Setting:
+        """The machine and the zero offsets."""
+        return self.space.at(self.coordinates)
+
+    def weighted(self, weight: Array) -> Array:
+        """The sensitivities, whitened by another weight, (N, p)."""
+        return self.jacobian * (weight / np.where(self.weight > 0, self.weight, 1.0))[:, None]
+
 
 def sensitivities(evidence: Evidence, space: Space, coordinates: Array, weight: Array) -> Array:
     """Whitened d prediction / d coordinate, (N, size), by secants with COARSE hinges."""
@@ -63,7 +72,8 @@ def refine(
     evidence: Evidence,
     space: Space,
     start: Array,
-    known: tuple[Array, Array] | None = None,
+    fidelity: tuple[Array, Array],
+    jacobian: Array | None = None,
     enough: float = ENOUGH,
     tell: Callable[[str], None] = lambda line: None,
 ) -> Refined:
@@ -71,13 +81,13 @@ def refine(
 
     Args:
         start: coordinates, (p,).
-        known: sensitivities there, (N, p), and the weight that they were whitened with, (N,), where they are known.
+        fidelity: what finer hinges add and the weight of every entry, (N,) both: `Evidence.fidelity` near there.
+        jacobian: whitened sensitivities there, (N, p), where they are known.
         enough: fall of the cost at which it ends.
         tell: hears one line per prediction.
     """
-    finer, weight = evidence.fidelity(space.at(start))
-    first = None if known is None else known[0] * (weight / np.where(known[1] > 0, known[1], 1.0))[:, None]
-    secants = _Secants(evidence, space, weight, start, first)
+    finer, weight = fidelity
+    secants = _Secants(evidence, space, weight, start, jacobian)
 
     def residual(coordinates: Array) -> Array:
         (prediction,) = evidence.predict([space.at(coordinates)], HINGES)
