@@ -20,7 +20,8 @@ DIGITS = 6  # of a value in the file
 def document(found: Calibration, names: Sequence[str]) -> dict[str, Any]:
     """The answer in plain data: parameters with intervals, zero offsets, what is not told, gaps, features."""
     refined, evidence = found.refined, found.evidence
-    before = (evidence.measured - evidence.predict([found.nominal], HINGES)[0]) * refined.weight
+    finer, _ = evidence.fidelity(found.nominal)
+    before = (evidence.measured - evidence.predict([found.nominal], HINGES)[0] - finer) * refined.weight
     groups = evidence.groups
     gaps = {
         str(group): {"before": _rms(before, groups == group), "after": _rms(refined.residual, groups == group)}

@@ -12,7 +12,7 @@ import numpy as np
 
 from boom_mj.calibration.calibrate import Calibration
 from boom_mj.calibration.decay import fit_decay
-from boom_mj.calibration.evidence import HINGES, Evidence
+from boom_mj.calibration.evidence import FINEST, Evidence
 from boom_mj.calibration.parameters import Setting
 from boom_mj.calibration.release import LEAST_DECAY, SETTLED, release_of, stop_of
 from boom_mj.recording import Recording, named_signal
@@ -88,7 +88,7 @@ def validate(found: Calibration, held_out: Sequence[Recording] = ()) -> Validati
         (_twin(evidence, machines[0], index), _twin(evidence, machines[1], index))
         for index in range(len(evidence.blocks))
     )
-    plant = make_plant(found.setting.machine, HINGES)
+    plant = make_plant(found.setting.machine, FINEST)
     rows = (
         _release(plant, index, both, pair) or _stop(plant, index, both, pair)
         for index, (both, pair) in enumerate(zip(evidence.blocks, twins))
@@ -134,7 +134,7 @@ def _plain(value: float) -> float | None:
 
 
 def _twin(evidence: Evidence, setting: Setting, index: int) -> Twin:
-    motion = evidence.motion(setting, HINGES, index)
+    motion = evidence.motion(setting, FINEST, index)
     blocks, signals = evidence.blocks[index], ideal_signals(motion)
     log = blocks.log
     at = {name: log[name].time - blocks.start for name in log.signals if name in signals}
