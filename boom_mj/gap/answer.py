@@ -16,11 +16,16 @@ from boom_mj.machine import EffectEntry, Machine
 
 Array = np.ndarray
 SURE = 1.96  # deviations of a 95 % interval
+MOST = 0.5  # closure, its uncertainty taken off, from which causes are named that leave a gap
 SHOWN = 0.002  # smallest share of a cell that is listed by itself
 
 
 def document(found: Diagnosis, names: Sequence[str]) -> dict[str, Any]:
-    """The answer in plain data: verdict, effects, rivals, ties, gaps, where, what is left."""
+    """The answer in plain data: verdict, effects, rivals, ties, gaps, where, what is left.
+
+    Of an "unexplained" gap `effects` are the causes that close most of it, if there are any; what closes less is listed
+    as "suspect".
+    """
     campaign, best = found.metric.campaign, found.best
     cells = locate(campaign, found.nominal)
     after = best.fit.residual if best else found.nominal
@@ -30,11 +35,13 @@ def document(found: Diagnosis, names: Sequence[str]) -> dict[str, Any]:
     }
     listed = [vars(cell) for cell in cells if cell.share >= SHOWN]
     rest = 1 - sum(cell["share"] for cell in listed)
+    solved = found.verdict in ("explained", "ambiguous")
+    causes = described(found) if best and found.verdict != "consistent" else []
     answer = {
         "verdict": found.verdict,
         "sentence": sentence(found),
-        "effects": described(found) if best and found.verdict in ("explained", "ambiguous") else [],
-        "suspect": described(found) if best and found.verdict == "unexplained" else [],
+        "effects": causes if solved or found.closure.low > MOST else [],
+        "suspect": [] if solved or found.closure.low > MOST else causes,
         "rivals": [rival(found, other) for other in found.contest if other is not best][:8],
         "ties": [[_brief(j.fit.effects) for j in (best, *found.ties)]] if best and found.ties else [],
         "next_experiment": found.next_experiment,

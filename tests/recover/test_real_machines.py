@@ -40,7 +40,7 @@ def answer(name: str, *held_out: str) -> dict[str, Any]:
 
 
 def sizes(found: dict[str, Any], name: str) -> dict[str, float]:
-    effects = [effect for effect in found["effects"] + found["suspect"] if effect["id"] == name]
+    effects = [effect for effect in found["effects"] if effect["id"] == name]
     return {knob: size["value"] for knob, size in effects[0]["parameters"].items()} if effects else {}
 
 
@@ -71,7 +71,7 @@ def test_the_drive_has_the_friction_that_its_owners_found() -> None:
 def test_the_beam_is_as_stiff_as_its_owners_say_and_lacks_damping() -> None:
     """Their Young's modulus stands; another release, not learnt from, falls silent the same way."""
     found = answer("clamped_beam", "clamped_beam/beam_gravity_V2_b.csv.gz")
-    assert [effect["id"] for effect in found["effects"] + found["suspect"]] == ["link_damping"]
+    assert [effect["id"] for effect in found["effects"]] == ["link_damping"]
     assert found["gap"]["closure"] > 0.9
 
 
@@ -79,7 +79,7 @@ def test_the_beam_is_as_stiff_as_its_owners_say_and_lacks_damping() -> None:
 def test_the_hub_has_the_friction_that_steady_speeds_tell() -> None:
     """`scope_data_deadzone_pos.mat`: 0.445 rad/s at 0.45 V, 1.628 rad/s at 1.1 V, so 0.21 V and 0.55 V s/rad."""
     found = answer("flexible_joint")
-    (hub,) = [e for e in found["suspect"] if (e["id"], e["location"]) == ("joint_friction", {"joint": "hub"})]
+    (hub,) = [e for e in found["effects"] if (e["id"], e["location"]) == ("joint_friction", {"joint": "hub"})]
     force, damping = hub["parameters"]["force"], hub["parameters"]["damping"]
     assert force["low"] < 0.21 < force["high"]
     assert damping["low"] < 0.55 - 0.87 < damping["high"]  # the nominal model has 0.87

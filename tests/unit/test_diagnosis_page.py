@@ -32,7 +32,14 @@ NAMES = ("one.mcap", f"{HOSTILE}.mcap", "\"'><img src=//evil.example onerror=ale
 PAYLOAD = (make_effect("tip_payload", {"mass": 40.0}),)
 HEAVIER = (make_effect("link_mass", {"link": 5, "factor": 1.1}),)
 SOFT = (make_effect("hydraulic_compliance", {"joint": 3, "stiffness": 2e7}),)
-VERDICTS = ("consistent", "explained", "ambiguous", "unexplained", "unexplained without a suspect")
+VERDICTS = (
+    "consistent",
+    "explained",
+    "ambiguous",
+    "unexplained",
+    "unexplained mostly",
+    "unexplained without a suspect",
+)
 
 
 def short_log() -> Recording:
@@ -70,7 +77,7 @@ def judged(m: Metric, effects: tuple, size: float) -> Judged:
 def diagnosis(case: str, training: int = 2) -> Diagnosis:
     m, verdict = metric(training), case.split()[0]
     before = 1.0 if verdict == "consistent" else 8.0
-    after = 4.0 if verdict == "unexplained" else 1.05
+    after = {"unexplained mostly": 2.0}.get(case, 6.0 if verdict == "unexplained" else 1.05)
     contest = (
         judged(m, PAYLOAD, min(before, after)),
         judged(m, HEAVIER, 1.1 if verdict == "ambiguous" else 1.2 * before),
@@ -172,6 +179,7 @@ def test_the_verdict_is_told() -> None:
     assert "release_bow_vertical" in words["ambiguous"]
     assert "link mass (link 5)" in words["ambiguous"]
     assert "does not explain enough" in words["unexplained"]
+    assert "close most of the gap, not all of it" in words["unexplained mostly"]
     assert "raises the gap" in words["explained"]
     assert "corrected model" not in words["consistent"]
 

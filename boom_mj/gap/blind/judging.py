@@ -58,7 +58,8 @@ class Outcome:
 
 def judge_case(case: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -> Outcome:
     """Hold an answer against what was sealed."""
-    true, named = truth["effects"], answer["effects"]
+    solved = answer["verdict"] in ("explained", "ambiguous")
+    true, named = truth["effects"], answer["effects"] if solved else []
     ids, found = sorted(e["id"] for e in true), sorted(e["id"] for e in named)
     tied = _tied(answer)
     right = placed = held = False
@@ -134,7 +135,7 @@ def _reason(truth: Mapping[str, Any], answer: Mapping[str, Any], right: bool) ->
     if answer["verdict"] == "consistent":
         return f"not seen: {true}, whose visibility is {truth['visibility']:.1f}"
     if answer["verdict"] == "unexplained":
-        suspects = " + ".join(_in_words(e) for e in answer.get("suspect", [])) or "nothing"
+        suspects = " + ".join(_in_words(e) for e in answer["effects"] or answer.get("suspect", [])) or "nothing"
         return f"not explained: {true}; suspected was {suspects}"
     tied = _tied(answer)
     beside = "; the truth is in the tie" if {e["id"] for e in truth["effects"]} & tied else ""
