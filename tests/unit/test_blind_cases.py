@@ -28,6 +28,7 @@ def test_classes_have_their_shares_and_effects_are_dealt_evenly() -> None:
     assert Counter(order.kind for order in found) == {kind: int(share) for kind, share in MIX.items()}
     singles = Counter(order.ids[0] for order in found if order.kind == "single")
     assert set(singles) == set(effect_library()) - {NUISANCE} and max(singles.values()) - min(singles.values()) <= 1
+    assert sorted(order.without for order in found if order.kind == "withheld") == sorted(singles)
     assert len({order.ids[0] for order in found if order.kind == "stranger"}) == len(STRANGERS) >= 5
     assert [order.kind for order in found] != sorted(order.kind for order in found)
     for order in found:

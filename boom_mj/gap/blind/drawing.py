@@ -10,8 +10,8 @@ from boom_mj.effects import Effect, effect_library
 from boom_mj.errors import EquilibriumError, InputError, SimulationError
 from boom_mj.gap.blind.strangers import STRANGERS
 
-MIX: Mapping[str, float] = {"single": 50, "none": 24, "pair": 14, "withheld": 18, "stranger": 14}
-"""Shares of the classes of cases."""
+MIX: Mapping[str, float] = {"single": 50, "none": 20, "pair": 12, "withheld": 25, "stranger": 13}
+"""Shares of the classes of cases: of 120, every effect is there twice alone and is once withheld."""
 NUISANCE = "joint_zero_offset"
 SMALL, LARGE = 0.5, 2.0  # times a size worth finding
 VISIBLE = 1.0  # as large as the noise itself; what shows less is drawn again

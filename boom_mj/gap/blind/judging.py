@@ -37,6 +37,7 @@ class Outcome:
         visibility: of the true effects to an oracle, in deviations of the noise.
         wall_s: time that the diagnosis took.
         reason: why a miss is one.
+        suspect: what the answer took for its cause where it found no explanation, in a word or two.
         details: where it lies, by the answer.
     """
 
@@ -53,6 +54,7 @@ class Outcome:
     visibility: float
     wall_s: float
     reason: str
+    suspect: str
     details: str
 
 
@@ -87,6 +89,7 @@ def judge_case(case: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -
         visibility=truth["visibility"],
         wall_s=_number(answer.get("wall_s")),
         reason="" if right and placed else _reason(truth, answer, right),
+        suspect="" if solved else _suspects(answer),
         details=(answer.get("unexplained") or {}).get("where") or answer["sentence"],
     )
 
@@ -135,11 +138,14 @@ def _reason(truth: Mapping[str, Any], answer: Mapping[str, Any], right: bool) ->
     if answer["verdict"] == "consistent":
         return f"not seen: {true}, whose visibility is {truth['visibility']:.1f}"
     if answer["verdict"] == "unexplained":
-        suspects = " + ".join(_in_words(e) for e in answer["effects"] or answer.get("suspect", [])) or "nothing"
-        return f"not explained: {true}; suspected was {suspects}"
+        return f"not explained: {true}; suspected was {_suspects(answer) or 'nothing'}"
     tied = _tied(answer)
     beside = "; the truth is in the tie" if {e["id"] for e in truth["effects"]} & tied else ""
     return f"taken for {named}: {true}{beside}"
+
+
+def _suspects(answer: Mapping[str, Any]) -> str:
+    return " + ".join(_in_words(e) for e in answer["effects"] or answer.get("suspect", ()))
 
 
 def _in_words(effect: Mapping[str, Any]) -> str:
