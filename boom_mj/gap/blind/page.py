@@ -75,8 +75,8 @@ def _sections(score: Score) -> list[tuple[str, str, Table]]:
         ),
         (
             "Withheld effects",
-            "The diagnosis had to do without the effect that made the data; the suspect came closest instead, and closes "
-            "what is told.",
+            "The diagnosis had to do without the effect that made the data; the suspect came closest instead, and "
+            "closes what is told.",
             (
                 ("effect", "answer", "right", "suspect", "closure", "where"),
                 [(o.truth, o.answer, _yes(o.right), o.suspect, _number(o.closure), o.details) for o in withheld],
