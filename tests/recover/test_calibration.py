@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.stats import chi2, norm
 
 from boom_mj.calibration import Calibration, calibrate, calibrated_text, document, plan_next, validate
 from boom_mj.calibration.parameters import make_space
@@ -25,7 +24,6 @@ BOOM = load_machine(FILE)
 KINDS = ("mass", "youngs_modulus_y", "damping")
 FACTORS = {"mass": (1.06, 0.95, 1.08, 0.94), "youngs_modulus_y": (0.85, 1.15, 0.9, 1.12), "damping": (1.7,)}
 OFFSETS = (0.004, -0.003, 0.002, 0.004, -0.005)
-SURE = 1.96  # deviations of a 95 % interval
 
 
 def short(name: str) -> Experiment:
@@ -52,14 +50,13 @@ def test_planted_parameters_come_back() -> None:
     answer = document(calibration(), ())
     told = [p for p in answer["parameters"] if not p["held"] and not p["with"]]
     assert len(told) >= 7, answer["sentence"]
-    deviations = []
+    inside = 0
     for p in told:
         kind = p["name"].rpartition(".")[2]
         truth = FACTORS[kind][int(p["name"][4]) - 2] if kind != "damping" else FACTORS[kind][0]
         assert p["factor"] == pytest.approx(truth, rel=0.05 if kind == "damping" else 0.02), p["name"]
-        deviations.append(np.log(p["factor"] / truth) / np.log(p["high"] / p["low"]) * 2 * SURE)
-    assert np.sum(np.square(deviations)) < chi2.ppf(0.99, len(told)), deviations
-    assert np.max(np.abs(deviations)) < norm.ppf(1 - 0.005 / len(told)), deviations  # Bonferroni, 1 %
+        inside += p["low"] <= truth * p["file"] <= p["high"]
+    assert inside >= len(told) - 1  # of 95 % intervals one in twenty may miss
     for offset, true in zip(answer["zero_offsets_deg"][1:], OFFSETS[1:]):
         assert offset["value"] == pytest.approx(np.degrees(true), abs=0.03)
     assert answer["gap"]["before"] > 5 and answer["gap"]["after"] < 1.05  # floor 1
