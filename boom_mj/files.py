@@ -149,6 +149,8 @@ def sweep(parts: Iterable[Path]) -> None:
 def locked(folder: Path) -> Iterator[None]:
     """Be the only one to write into a folder, which is made; a process that is killed loses its lock.
 
+    What killed processes left of files, before or meanwhile, is removed.
+
     Raises:
         OutputError: another process has it, or there cannot be such a folder.
     """
@@ -166,6 +168,10 @@ def locked(folder: Path) -> Iterator[None]:
             ) from error
         except OSError:  # a file system without locks
             pass
-        yield
+        try:
+            sweep(folder.rglob(".*.part"))
+            yield
+        finally:
+            sweep(folder.rglob(".*.part"))
     finally:
         os.close(place)

@@ -16,7 +16,7 @@ from boom_mj.cameras.intrinsics import Intrinsics
 from boom_mj.cameras.labels import label
 from boom_mj.cameras.light import weather_of
 from boom_mj.cameras.studio import Studio, choose_headless
-from boom_mj.files import sweep, write_bytes
+from boom_mj.files import write_bytes
 from boom_mj.machine.rig import Chequerboard
 from boom_mj.spreading import results
 
@@ -131,7 +131,6 @@ def render_frames(
         OutputError: a full disk.
         WorkerError: frames that no process survives, when all others are done. What is done stays.
     """
-    sweep(folder.rglob(".*.part"))
     missing = [frame for frame in frames if not (folder / frame.place("labels", ".json")).is_file()]
     batches = [Batch(tuple(missing[k : k + BATCH])) for k in range(0, len(missing), BATCH)]
     done = len(frames) - len(missing)

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import campaign as faults
@@ -98,20 +99,33 @@ def test_a_campaign_counts_what_should_not_be() -> None:
     assert "| cut | 2 | 1 | 0 | 1 | 0 | 1 |" in count.table()
 
 
-def test_a_folder_has_one_writer_and_a_killed_one_leaves_it(tmp_path: Path) -> None:
+def _killed_while_writing(path: Path) -> None:
+    """Let a process be killed that holds the lock of a folder, if none has it, and has begun a file of it."""
     other = os.fork()
     if other == 0:
         try:
-            with locked(tmp_path / "a"):
+            with suppress(OutputError), locked(path.parent), whole_file(path):
+                os.kill(os.getpid(), 9)
+            with whole_file(path):
                 os.kill(os.getpid(), 9)
         finally:
             os._exit(1)
     os.waitpid(other, 0)
+
+
+def test_a_folder_has_one_writer_and_a_killed_one_leaves_it_and_nothing_in_it(tmp_path: Path) -> None:
+    _killed_while_writing(tmp_path / "a" / "before")
+    assert len(list((tmp_path / "a").iterdir())) == 1
     with locked(tmp_path / "a"):
         with pytest.raises(OutputError, match=r"a is being written by another process"), locked(tmp_path / "a"):
             pass
         with locked(tmp_path / "b"):
             pass
+        assert not list((tmp_path / "a").iterdir())
+        _killed_while_writing(tmp_path / "a" / "meanwhile")  # a worker of the one that has the lock
+        with whole_file(tmp_path / "a" / "living"):
+            assert len(list((tmp_path / "a").iterdir())) == 2
+    assert [path.name for path in (tmp_path / "a").iterdir()] == ["living"]
     with locked(tmp_path / "a"):
         pass
 
