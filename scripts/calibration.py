@@ -1,12 +1,14 @@
 """Planted truth: machines about boom36 that are calibrated from their own noisy recordings. Prints the table.
 
 python scripts/calibration.py FOLDER [--machines 50] [--first 0] [--jobs 1 | --cluster ADDRESS] [--table FILE.md]
+                              [--experiments EXPERIMENT ...] [--free KIND ...]
                               [--tracked EXPERIMENT ... [--filmed FROM TO EVERY SCALE]]
 
 Stiffness +-20 %, masses +-10 %, damping x 0.5 to 2, zero offsets of joints +-0.3 deg, all drawn evenly; the paper's
-experiments with six hinges per coordinate and sensor noise; calibrated with two to four. Every machine leaves a file in
-FOLDER: what is there is not made again, so that the campaign can be stopped and started at any time. `--tracked` takes
-the markers of some experiments from rendered pictures through `track` instead (minutes each; needs MUJOCO_GL=egl).
+experiments, or some of them, with six hinges per coordinate and sensor noise; calibrated with two to four. Only kinds
+that are free differ from boom36. Every machine leaves a file in FOLDER: what is there is not made again, so that the
+campaign can be stopped and started at any time. `--tracked` takes the markers of some experiments from rendered
+pictures through `track` instead (minutes each; needs MUJOCO_GL=egl).
 """
 
 import argparse
@@ -21,7 +23,7 @@ import numpy as np
 
 from boom_mj.calibration import calibrate, document
 from boom_mj.calibration.experiments import PAPER
-from boom_mj.calibration.parameters import STIFFNESS, Setting, Space, make_space
+from boom_mj.calibration.parameters import STIFFNESS, USUAL, Setting, Space, make_space
 from boom_mj.files import write_text
 from boom_mj.logs import read_mcap, write_mcap
 from boom_mj.machine import load_machine
@@ -48,6 +50,8 @@ class Order:
 
     folder: Path
     number: int
+    experiments: tuple[str, ...] = tuple(plan.name for plan in PAPER)
+    free: tuple[str, ...] = USUAL
     tracked: tuple[str, ...] = ()
     filmed: tuple[str, ...] = FILMED
 
@@ -73,6 +77,8 @@ def recordings(truth: Setting, order: Order) -> list[Recording]:
     plant = make_plant(truth.machine, HINGES, [truth.sensor])
     found = []
     for k, plan in enumerate(PAPER):
+        if plan.name not in order.experiments:
+            continue
         rng = np.random.default_rng([order.number, k])
         log = record(run_experiment(plant, plan), plan, rng)
         found.append(with_tracked_markers(log, truth, order) if plan.name in order.tracked else log)
@@ -110,13 +116,19 @@ def truth_text(truth: Setting) -> str:
 
 def one(order: Order) -> None:
     """Make, record and calibrate one machine."""
-    space = make_space(NOMINAL)
+    space = make_space(NOMINAL, order.free)
     coordinates = draw(space, np.random.default_rng(order.number))
     logs = recordings(space.at(coordinates), order)
-    found = calibrate(NOMINAL, logs, threads=1)
+    found = calibrate(NOMINAL, logs, order.free, threads=1)
     answer = document(found, [log.name for log in logs])
+    joined = {parameter["name"] for parameter in answer["parameters"] if parameter["with"]}
     rows = [
-        {"name": name, "truth": float(x), "found": float(y), "deviation": None if np.isnan(s) else float(s)}
+        {
+            "name": name,
+            "truth": float(x),
+            "found": float(y),
+            "deviation": None if np.isnan(s) or name in joined else float(s),
+        }
         for name, x, y, s in zip(space.names, coordinates, found.coordinates, found.deviation)
     ]
     result = {"coordinates": rows, "wall_s": found.duration, "tracked": list(order.tracked), "answer": answer}
@@ -129,7 +141,7 @@ def table(folder: Path) -> str:
     lines = [
         f"{len(results)} machines; errors in percent; intervals: share of 95 % intervals that hold the truth",
         "",
-        "| parameter | median error | 90 % of errors below | widest interval, +- | intervals | held |",
+        "| parameter | median error | 90 % of errors below | widest interval, +- | intervals | held or joined |",
         "|---|---|---|---|---|---|",
     ]
     rows = [row for result in results for row in result["coordinates"]]
@@ -164,14 +176,24 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0, help="number of the first machine, which seeds it")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--cluster", metavar="ADDRESS")
-    parser.add_argument("--tracked", nargs="*", default=(), choices=[plan.name for plan in PAPER])
+    names = [plan.name for plan in PAPER]
+    parser.add_argument("--experiments", nargs="+", default=names, choices=names)
+    parser.add_argument("--free", nargs="+", default=USUAL, choices=USUAL)
+    parser.add_argument("--tracked", nargs="*", default=(), choices=names)
     parser.add_argument("--filmed", nargs=4, default=FILMED, metavar=("FROM", "TO", "EVERY", "SCALE"))
     parser.add_argument("--table", type=Path)
     given = parser.parse_args()
     given.folder = given.folder.resolve()
     given.folder.mkdir(parents=True, exist_ok=True)
     orders = [
-        Order(given.folder, number, tuple(given.tracked), tuple(given.filmed))
+        Order(
+            given.folder,
+            number,
+            tuple(given.experiments),
+            tuple(given.free),
+            tuple(given.tracked),
+            tuple(given.filmed),
+        )
         for number in range(given.first, given.first + given.machines)
     ]
     missing = [order for order in orders if not order.file.exists()]

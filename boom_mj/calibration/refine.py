@@ -21,7 +21,7 @@ EVALUATIONS = 15  # of the refinement
 ENOUGH, ROUGH = 0.03, 3.0  # fall of the cost at which it ends: one deviation is a fall of 0.5
 FAILED = 1e3  # whitened residual of a simulation that left the numbers
 WINDOW = 5.0  # s, over which residuals may be correlated
-SYSTEMATIC = 0.35  # share of what the hinges' extrapolation moves that may be wrong, by machines of six hinges
+SYSTEMATIC = 0.3  # share of what the hinges' extrapolation moves that may be wrong, by machines of six hinges
 
 
 @dataclass(frozen=True, eq=False)

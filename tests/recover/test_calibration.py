@@ -1,7 +1,8 @@
 """Planted parameters come back inside their intervals; plans ask for what recordings lack.
 
 The machine that is measured has six hinges per coordinate, zero offsets and noise; the calibration works with four.
-Experiments are shortened to 12 s, so that they run in seconds; the whole campaign is scripts/calibration.py.
+Experiments are shortened to 12 s, so that they run in seconds; the whole campaign is scripts/calibration.py. Of three
+machines the first is written down, the others are drawn.
 """
 
 from functools import cache
@@ -22,8 +23,11 @@ FILE = Path(__file__).parents[2] / "models" / "boom36.toml"
 EXAMPLES = Path(__file__).parents[3] / "shared" / "examples" / "b18334f3fc04"
 BOOM = load_machine(FILE)
 KINDS = ("mass", "youngs_modulus_y", "damping")
-FACTORS = {"mass": (1.06, 0.95, 1.08, 0.94), "youngs_modulus_y": (0.85, 1.15, 0.9, 1.12), "damping": (1.7,)}
+SPREAD = {"mass": 0.1, "youngs_modulus_y": 0.2}  # half widths of drawn factors about 1
+FACTORS = (1.06, 0.95, 1.08, 0.94, 0.85, 1.15, 0.9, 1.12, 1.7)
 OFFSETS = (0.004, -0.003, 0.002, 0.004, -0.005)
+SPACE = make_space(BOOM, KINDS)
+MACHINES = range(3)
 
 
 def short(name: str) -> Experiment:
@@ -34,32 +38,52 @@ VERTICAL = (short("release_stretched_vertical"), short("release_bow_vertical"))
 
 
 @cache
-def recordings() -> tuple[Recording, ...]:
-    truth = make_space(BOOM, KINDS).at(np.array([*np.log([f for kind in KINDS for f in FACTORS[kind]]), *OFFSETS]))
-    plant = make_plant(truth.machine, 6, [truth.sensor])
-    return tuple(record(run_experiment(plant, e), e, np.random.default_rng(k)) for k, e in enumerate(VERTICAL))
+def truth(number: int) -> np.ndarray:
+    """Logarithms of factors, and zero offsets, rad, (14,)."""
+    if number == 0:
+        return np.array([*np.log(FACTORS), *OFFSETS])
+    rng = np.random.default_rng(number)
+    factors = [
+        rng.uniform(0.5, 2.0) if k.kind == "damping" else 1 + SPREAD[k.kind] * rng.uniform(-1, 1) for k in SPACE.knobs
+    ]
+    return np.array([*np.log(factors), *rng.uniform(-0.005, 0.005, 5)])
 
 
 @cache
-def calibration() -> Calibration:
-    return calibrate(BOOM, recordings(), KINDS)
+def recordings(number: int = 0) -> tuple[Recording, ...]:
+    setting = SPACE.at(truth(number))
+    plant = make_plant(setting.machine, 6, [setting.sensor])
+    return tuple(
+        record(run_experiment(plant, e), e, np.random.default_rng(2 * number + k)) for k, e in enumerate(VERTICAL)
+    )
 
 
-def test_planted_parameters_come_back() -> None:
+@cache
+def calibration(number: int = 0) -> Calibration:
+    return calibrate(BOOM, recordings(number), KINDS)
+
+
+@pytest.mark.parametrize("number", MACHINES)
+def test_planted_parameters_come_back(number: int) -> None:
     """Goals of the project: 1 % of masses and stiffness, 5 % of damping; two short recordings tell half as well."""
-    answer = document(calibration(), ())
-    told = [p for p in answer["parameters"] if not p["held"] and not p["with"]]
-    assert len(told) >= 7, answer["sentence"]
-    inside = 0
-    for p in told:
-        kind = p["name"].rpartition(".")[2]
-        truth = FACTORS[kind][int(p["name"][4]) - 2] if kind != "damping" else FACTORS[kind][0]
-        assert p["factor"] == pytest.approx(truth, rel=0.05 if kind == "damping" else 0.02), p["name"]
-        inside += p["low"] <= truth * p["file"] <= p["high"]
-    assert inside >= len(told) - 1  # of 95 % intervals one in twenty may miss
-    for offset, true in zip(answer["zero_offsets_deg"][1:], OFFSETS[1:]):
-        assert offset["value"] == pytest.approx(np.degrees(true), abs=0.03)
+    found = calibration(number)
+    answer = document(found, ())
+    assert not any(p["held"] or p["with"] for p in answer["parameters"]), answer["sentence"]
+    for knob, x, y in zip(SPACE.knobs, found.coordinates, truth(number)):
+        assert np.exp(x) == pytest.approx(np.exp(y), rel=0.05 if knob.kind == "damping" else 0.02), knob.name
+    assert found.coordinates[-4:] == pytest.approx(truth(number)[-4:], abs=np.radians(0.03))
     assert answer["gap"]["before"] > 5 and answer["gap"]["after"] < 1.05  # floor 1
+
+
+def test_intervals_hold_what_was_planted() -> None:
+    """Of 27 intervals of 95 % more than three miss once in 23 times; of 85 % ones, more often than not."""
+    missed = []
+    for number in MACHINES:
+        for name, p, y in zip(SPACE.names, document(calibration(number), ())["parameters"], truth(number)):
+            assert p["name"] == name
+            if not p["low"] <= np.exp(y) * p["file"] <= p["high"]:
+                missed.append((number, name))
+    assert len(missed) <= 3, missed
 
 
 def test_the_twin_meets_what_was_measured() -> None:
