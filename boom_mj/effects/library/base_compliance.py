@@ -27,7 +27,8 @@ class BaseCompliance(ModelEffect):
         for name, axis in (("roll", [1, 0, 0]), ("pitch", [0, 1, 0])):
             if np.isfinite(stiffness := self.values[name]):
                 base = spec.body("base")
-                base.explicitinertial, base.mass, base.inertia = True, 1.0, [1.0, 1.0, 1.0]  # a moving body has some
+                base.explicitinertial, base.ipos = True, [0.0, 0.0, 0.0]
+                base.mass, base.inertia = 1.0, [1.0, 1.0, 1.0]  # a moving body has some
                 spring = base.add_joint(name=f"base_{name}", axis=axis)
                 spring.stiffness[0] = stiffness
                 spring.damping[0] = machine.damping.relaxation_time * stiffness

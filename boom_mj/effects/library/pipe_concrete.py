@@ -1,10 +1,13 @@
 """Concrete in the delivery pipe."""
 
 import mujoco
+import numpy as np
 
 from boom_mj.effects.effect import ModelEffect, Parameter
 from boom_mj.effects.structure import stretches
 from boom_mj.machine import Machine
+
+RADIUS = 0.03  # m, of gyration about the link
 
 
 class PipeConcrete(ModelEffect):
@@ -21,9 +24,7 @@ class PipeConcrete(ModelEffect):
             return
         for link in range(2, 2 + len(machine.links)):
             for body, start, stop in stretches(spec, machine, link):
-                mass, length = density * (stop - start), stop - start
-                inertia = [1e-3 * mass, mass * length**2 / 12, mass * length**2 / 12]
-                body.add_body(
-                    name=f"concrete_{body.name}", pos=[(start + stop) / 2, 0, 0], mass=mass, inertia=inertia,
-                    explicitinertial=True,
-                )  # fmt: skip
+                length = stop - start
+                concrete = body.add_body(name=f"concrete_{body.name}", explicitinertial=True)
+                concrete.mass, concrete.ipos = density * length, [(start + stop) / 2, 0, 0]
+                concrete.inertia = concrete.mass * np.array([RADIUS**2, length**2 / 12, length**2 / 12])

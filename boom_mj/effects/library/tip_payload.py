@@ -17,6 +17,5 @@ class TipPayload(ModelEffect):
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         if mass := self.values["mass"]:
             tip = spec.site("tip")
-            tip.parent.add_body(
-                name="payload", pos=tip.pos, mass=mass, inertia=[1e-3, 1e-3, 1e-3], explicitinertial=True
-            )
+            payload = tip.parent.add_body(name="payload", explicitinertial=True)
+            payload.mass, payload.ipos, payload.inertia = mass, tip.pos, [1e-3, 1e-3, 1e-3]
