@@ -22,9 +22,10 @@ if TYPE_CHECKING:
     from boom_mj.gap.metric import Metric
 
 Array = np.ndarray
-COARSE, HINGES, FINE = 2, 4, 6  # hinges: of all differences, of what they are added to, of the fidelity check
+# hinges: of screening, of all other differences, of what they are added to, of the fidelity check
+ROUGH, COARSE, HINGES, FINE = 1, 2, 4, 6
 ORDER = 2  # of convergence in the number of hinges
-PACE = {COARSE: 2.0, FINE: (HINGES / FINE) ** 2}  # of the plant's own step: errors of step and hinges fall alike
+PACE = {ROUGH: 4.0, COARSE: 2.0, FINE: (HINGES / FINE) ** 2}  # of the plant's own step: errors of step and hinges fall alike
 KEPT = 24  # compiled plants
 STIFFNESS = {"v": 0.005, "w": 0.005, "torsion": 0.01}  # of all links
 PLATES = 0.003  # of the stiffness of a single link
@@ -71,7 +72,7 @@ class Boom(Subject):
 
     block, window, still = BLOCK, 5.0, MOVING
     bands = (("static", 0.2), ("first mode", 0.8), ("second mode", 2.5), ("above", np.inf))
-    fidelity = Fidelity(COARSE, HINGES, FINE, 1 - (HINGES / FINE) ** ORDER, alike=0.5)
+    fidelity = Fidelity(ROUGH, COARSE, HINGES, FINE, 1 - (HINGES / FINE) ** ORDER, alike=0.5)
     causes, slack, worth, spill = 2, 0.005, 0.5, 0.01
     words = Words(
         phases=("hold", "start", "move", "slew", "reversal", "after motion", "after release"),

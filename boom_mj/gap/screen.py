@@ -1,6 +1,6 @@
 """Screening: which candidates are worth a fit, by the sensitivity of the simulated recordings to them.
 
-For the probes of a candidate the columns J = f(probe) - f(0) are simulated at the coarse level; in the inner product of
+For the probes of a candidate the columns J = f(probe) - f(0) are simulated at the roughest level; in the inner product of
 the metric the best weights are w = (J^T J + 1 / W^2)^-1 J^T r, and they explain the share J^T r . w / <r, r> of the
 training misfit. All candidates go in one batch.
 """
@@ -55,7 +55,7 @@ class Signatures:
         columns = {p: column for p in probes if (column := subject.shortcut(p, metric)) is not None}
         model = [probe for probe in probes if probe not in columns]
         hypotheses = [given, *((*given, probe) for probe in model)]
-        base, *found = campaign.predict(hypotheses, subject.fidelity.coarse, training_only=True)
+        base, *found = campaign.predict(hypotheses, subject.fidelity.rough, training_only=True)
         columns |= {probe: metric.white(f - base) for probe, f in zip(model, found)}
         train = campaign.train
         self.columns = np.stack([columns[probe][train] for probe in probes], axis=1).astype(np.float32)  # (training, c)

@@ -45,13 +45,15 @@ class Fidelity:
     """Levels of a model's fidelity, as its subject counts them (hinges, divisions of a step).
 
     Attributes:
-        coarse: of screening and nuisances.
+        rough: of screening.
+        coarse: of nuisances and the contest.
         middle: of the base of all predictions.
         fine: of the check.
         shrunk: share of the middle level's error that going to the fine one takes away, 0 to 1.
         alike: share of what is left to extrapolate that may be wrong alike all along a channel.
     """
 
+    rough: int
     coarse: int
     middle: int
     fine: int

@@ -35,7 +35,7 @@ class Robot(Subject):
         noise: per sample, by compared channel.
     """
 
-    fidelity = Fidelity(BASE, BASE, FINE, 0.5)
+    fidelity = Fidelity(BASE, BASE, BASE, FINE, 0.5)
     slack, worth, spill = 0.02, 0.2, 0.0
 
     def __init__(
