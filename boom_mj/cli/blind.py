@@ -14,10 +14,14 @@ from boom_mj.files import read_bytes, read_text, write_text
 
 app = typer.Typer(help="Check the diagnosis on effects that it is not told.", no_args_is_help=True)
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of the campaign.")]
+Folders = Annotated[list[Path], typer.Argument(metavar="DIR...", help="Folders of campaigns.")]
 Answers = Annotated[
-    Path | None, typer.Option("--answers", "-a", metavar="DIR", help="Folder of the answers; DIR-answers if left out.")
+    list[Path] | None,
+    typer.Option(
+        "--answers", "-a", metavar="DIR", help="Folder of the answers, one a campaign; DIR-answers if left out."
+    ),
 ]
-Seal = Annotated[Path, typer.Option(metavar="FILE", help="The sealed answers.")]
+Seals = Annotated[list[Path], typer.Option(metavar="FILE", help="The sealed answers, one a campaign.")]
 
 
 @app.command()
@@ -95,8 +99,8 @@ def run(
 
 @app.command()
 def score(
-    folder: Folder,
-    seal: Seal,
+    folders: Folders,
+    seal: Seals,
     answers: Answers = None,
     as_json: Annotated[
         Path | None, typer.Option("--json", metavar="FILE", help="Figures and outcomes as JSON.")
@@ -107,9 +111,11 @@ def score(
 ) -> None:
     """Open the seal, check that it is the published one, and hold the answers against it.
 
+    Several campaigns, each with its seal in the same order, are scored together and for themselves.
+
     Example: python -m boom_mj gap blind score cases --seal answers.seal -o score.html
     """
-    from boom_mj.gap.blind import confusion_svg, html_page, markdown_page
+    from boom_mj.gap.blind import confusion_svg, html_page, markdown_page, pooled
     from boom_mj.gap.blind import score as hold
 
     if page is not None and page.suffix not in (".md", ".html"):
@@ -117,7 +123,10 @@ def score(
     for path in (page, as_json):
         if path is not None:
             output_path(path)
-    found = hold(folder, seal, _answers(folder, answers))
+    given = answers or [_answers(folder, None) for folder in folders]
+    if not len(folders) == len(seal) == len(given):
+        raise InputError(f"{len(folders)} campaigns need as many seals and answers; got {len(seal)} and {len(given)}")
+    found = pooled([hold(*one) for one in zip(folders, seal, given)])
     outputs: dict[Path, str] = {}
     if as_json is not None:
         outputs[as_json] = json.dumps(found.document(), indent=1) + "\n"

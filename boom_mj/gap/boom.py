@@ -25,7 +25,11 @@ Array = np.ndarray
 # hinges: of screening, of all other differences, of what they are added to, of the fidelity check
 ROUGH, COARSE, HINGES, FINE = 1, 2, 4, 6
 ORDER = 2  # of convergence in the number of hinges
-PACE = {ROUGH: 4.0, COARSE: 2.0, FINE: (HINGES / FINE) ** 2}  # of the plant's own step: errors of step and hinges fall alike
+PACE = {
+    ROUGH: 4.0,
+    COARSE: 2.0,
+    FINE: (HINGES / FINE) ** 2,
+}  # of the plant's own step: errors of step and hinges fall alike
 KEPT = 24  # compiled plants
 STIFFNESS = {"v": 0.005, "w": 0.005, "torsion": 0.01}  # of all links
 PLATES = 0.003  # of the stiffness of a single link

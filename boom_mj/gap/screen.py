@@ -1,7 +1,7 @@
 """Screening: which candidates are worth a fit, by the sensitivity of the simulated recordings to them.
 
-For the probes of a candidate the columns J = f(probe) - f(0) are simulated at the roughest level; in the inner product of
-the metric the best weights are w = (J^T J + 1 / W^2)^-1 J^T r, and they explain the share J^T r . w / <r, r> of the
+For the probes of a candidate the columns J = f(probe) - f(0) are simulated at the roughest level; in the inner product
+of the metric the best weights are w = (J^T J + 1 / W^2)^-1 J^T r, and they explain the share J^T r . w / <r, r> of the
 training misfit. All candidates go in one batch.
 """
 

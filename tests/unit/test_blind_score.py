@@ -1,6 +1,7 @@
 """Scoring by answers made up for the purpose: every rule has one that passes and one that does not."""
 
 import json
+from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 
@@ -8,9 +9,9 @@ import numpy as np
 import pytest
 
 from boom_mj.errors import InputError
-from boom_mj.gap.blind import confusion_svg, html_page, markdown_page, score
-from boom_mj.gap.blind.judging import NO_ANSWER, Outcome, holds, judge_case, twins
-from boom_mj.gap.blind.scoring import figures, wilson
+from boom_mj.gap.blind import confusion_svg, html_page, markdown_page, pooled, score
+from boom_mj.gap.blind.judging import NO_ANSWER, Outcome, errors_of, judge_case, twins
+from boom_mj.gap.blind.scoring import figures, held, wilson
 
 
 def effect(name: str, location: dict | None = None, **values: float) -> dict:
@@ -86,11 +87,12 @@ def test_twins_are_looked_up_from_both_sides() -> None:
 
 def test_an_interval_may_be_open_and_an_angle_may_turn() -> None:
     interval = {"value": 3.0, "low": 2.0, "high": None}
-    assert holds({"stiffness": 1e9}, {"stiffness": interval}) == [True]
-    assert holds({"stiffness": 1.0}, {"stiffness": interval}) == [False]
-    turned = {"value": 6.2, "low": 6.1, "high": 6.3}
-    assert holds({"phase": -0.05}, {"phase": turned}) == [True]
-    assert holds({"mass": -0.05}, {"mass": turned}) == [False]
+    assert errors_of({"stiffness": 1e9}, {"stiffness": interval}) == [0]
+    assert errors_of({"stiffness": 1.0}, {"stiffness": interval}) == [-2]
+    turned = {"value": 6.2, "low": 6.1, "high": 6.4}
+    assert errors_of({"phase": -0.05}, {"phase": turned}) == pytest.approx([(2 * np.pi - 6.25) / 0.2])
+    assert errors_of({"mass": -0.05}, {"mass": turned}) == pytest.approx([-62.5])
+    assert errors_of({"mass": 2.0}, {"mass": {"value": 1.0, "low": 1.0, "high": 1.0}}) == [np.inf]
 
 
 def test_wilson_meets_the_textbook() -> None:
@@ -104,6 +106,22 @@ def outcomes() -> list[Outcome]:
     rows += [(truth("single", HEAVY), answer("explained", TILT, closure=0.1))]
     rows += [(truth("none"), answer("consistent"))] * 9 + [(truth("none"), answer("explained", TILT))]
     return [judge_case(str(k), *row) for k, row in enumerate(rows)]
+
+
+def test_intervals_of_other_levels_are_scaled() -> None:
+    one = outcomes()[0]
+    many = [replace(one, errors=(float(z) / 1.96,)) for z in np.random.default_rng(1).normal(size=4000)]
+    for level in (0.5, 0.8, 0.95):
+        assert np.mean(held(many, level)) == pytest.approx(level, abs=0.03)
+    assert not any(held([replace(one, errors=(1.01, -1.01))], 0.95))
+
+
+def test_campaigns_are_pooled_and_told_apart(campaign: tuple[Path, Path, Path]) -> None:
+    one = score(*campaign)
+    both = pooled([one, replace(one, outcomes=one.outcomes[:1], figures=tuple(figures(one.outcomes[:1])))])
+    assert len(both.outcomes) == 4 and both.figures[0].count == 2 and both.seals == one.seals * 2
+    assert "| seed 2 |" in markdown_page(both, "picture.svg")
+    json.dumps(both.document(), allow_nan=False)
 
 
 def test_figures_count_what_they_say() -> None:
@@ -146,6 +164,6 @@ def test_pages_tell_all(campaign: tuple[Path, Path, Path]) -> None:
     found = score(*campaign)
     markdown, html = markdown_page(found, "picture.svg"), html_page(found)
     for page in (markdown, html):
-        assert "there is no answer" in page and found.seal_sha256 in page and "tip_payload" in page
+        assert "there is no answer" in page and found.seals[0] in page and "tip_payload" in page
     assert "](picture.svg)" in markdown and "link 2 &lt;&amp;&gt;" in html and "<svg" in html
     assert confusion_svg(found.outcomes).count("fill-opacity") == len(found.outcomes)

@@ -14,4 +14,5 @@ from boom_mj.gap.blind.page import markdown_page as markdown_page
 from boom_mj.gap.blind.running import answer_cases as answer_cases
 from boom_mj.gap.blind.running import waiting_cases as waiting_cases
 from boom_mj.gap.blind.scoring import Score as Score
+from boom_mj.gap.blind.scoring import pooled as pooled
 from boom_mj.gap.blind.scoring import score as score

@@ -32,7 +32,7 @@ class Outcome:
         placed: whether its places are right too.
         tied: whether the answer is a tie.
         held: whether the truth is in the answer at all, be it as one of a tie.
-        covered: per parameter of rightly placed effects, whether its interval holds the truth.
+        errors: per parameter of rightly placed effects, true less named value; 1 is the end of its interval.
         closure: of the held-out gap; NaN without an answer.
         visibility: of the true effects to an oracle, in deviations of the noise.
         wall_s: time that the diagnosis took.
@@ -49,7 +49,7 @@ class Outcome:
     placed: bool
     tied: bool
     held: bool
-    covered: tuple[bool, ...]
+    errors: tuple[float, ...]
     closure: float
     visibility: float
     wall_s: float
@@ -74,7 +74,7 @@ def judge_case(case: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -
     else:
         right = placed = held = answer["verdict"] == "unexplained" or bool(tied & twins(ids[0]))
     pairs = [(effect, _matching(effect, named)) for effect in true] if right else []
-    covered = [holds(effect["parameters"], other["parameters"]) for effect, other in pairs if other]
+    errors = [errors_of(effect["parameters"], other["parameters"]) for effect, other in pairs if other]
     return Outcome(
         case=case,
         kind=truth["class"],
@@ -84,7 +84,7 @@ def judge_case(case: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -
         placed=placed,
         tied=bool(tied),
         held=held,
-        covered=tuple(inside for one in covered for inside in one),
+        errors=tuple(error for one in errors for error in one),
         closure=_number(answer["gap"].get("closure")),
         visibility=truth["visibility"],
         wall_s=_number(answer.get("wall_s")),
@@ -101,16 +101,17 @@ def twins(name: str) -> set[str]:
     return (own & set(effect_library()) | others) - {name}
 
 
-def holds(true: Mapping[str, float], named: Mapping[str, Mapping[str, Any]]) -> list[bool]:
-    """Whether each interval holds the true value; an end that is null is infinite."""
-    inside = []
+def errors_of(true: Mapping[str, float], named: Mapping[str, Mapping[str, Any]]) -> list[float]:
+    """True less named values, in units of the interval on that side of it; one without an end holds all."""
+    errors = []
     for name, interval in named.items():
         if name in true:
-            low = -np.inf if interval["low"] is None else interval["low"]
-            high = np.inf if interval["high"] is None else interval["high"]
             turns = np.round((interval["value"] - true[name]) / (2 * np.pi)) if name in ANGLES else 0.0
-            inside.append(bool(low <= true[name] + 2 * np.pi * turns <= high))
-    return inside
+            error = true[name] + 2 * np.pi * turns - interval["value"]
+            end = interval["high" if error > 0 else "low"]
+            width = np.inf if end is None else abs(end - interval["value"])
+            errors.append(float(error / width) if width else float(np.sign(error) * np.inf if error else 0.0))
+    return errors
 
 
 def _tied(answer: Mapping[str, Any]) -> set[str]:

@@ -6,7 +6,7 @@ from html import escape
 import numpy as np
 
 from boom_mj.gap.blind.judging import Outcome
-from boom_mj.gap.blind.scoring import Figure, Score
+from boom_mj.gap.blind.scoring import Figure, Score, held, wilson
 
 CELL, LABEL, HEAD, SLANT = 22, 240, 170, 100  # px: of a count, of names at the left, above, and what those lean over
 BLUE, VERMILION, INK = "#0072b2", "#d55e00", "#222222"  # right, wrong, text
@@ -49,9 +49,10 @@ CONFUSION = (
 def _summary(score: Score) -> str:
     met = [figure.met for figure in score.figures if figure.met is not None]
     answered = sum(outcome.answer != "no answer" for outcome in score.outcomes)
+    hashes = "; ".join(f"seal {seal}, seed {seed}" for seal, seed in zip(score.seals, score.seeds))
     return (
         f"{sum(met)} of {len(met)} goals are met on {len(score.outcomes)} cases, {answered} of them answered. "
-        f"SHA-256 of the seal: {score.seal_sha256}, of the seed file: {score.seed_sha256}."
+        f"SHA-256: {hashes}."
     )
 
 
@@ -60,7 +61,21 @@ def _sections(score: Score) -> list[tuple[str, str, Table]]:
     withheld = sorted((o for o in score.outcomes if o.kind == "withheld"), key=lambda o: o.truth)
     seen = sorted({o.truth for o in score.outcomes if o.kind == "single"})
     return [
-        ("Figures", "With 95 % intervals.", (FIGURE_HEAD, [_figure_row(f) for f in score.figures])),
+        ("Figures", "With 95 % intervals.", _figures(score)),
+        (
+            "Calibration of the intervals",
+            "Of the sizes of effects that were named and placed, how many lie within the interval of each level, "
+            "scaled from the 95 % that answers tell.",
+            (("level", "holds", "95 % interval", "of"), [_held_row(score.outcomes, level) for level in LEVELS]),
+        ),
+        (
+            "Held-out closure",
+            "Of what there was above the noise; withheld effects and strangers should close little.",
+            (
+                ("class", "cases", "smallest", "10 %", "median", "90 %", "largest"),
+                [_closure_row(score.outcomes, *one) for one in CLOSED],
+            ),
+        ),
         (
             "Misses",
             f"{len(misses)} of {len(score.outcomes)}, with the reason; visibility is what an oracle sees of the "
@@ -97,14 +112,43 @@ def _sections(score: Score) -> list[tuple[str, str, Table]]:
     ]
 
 
-FIGURE_HEAD = ("figure", "value", "95 % interval", "of", "goal", "met")
+LEVELS = (0.5, 0.8, 0.9, 0.95, 0.99)
+CLOSED = (
+    ("solved", ("single", "pair"), True),
+    ("not solved", ("single", "pair"), False),
+    ("withheld or a stranger, right", ("withheld", "stranger"), True),
+    ("withheld or a stranger, wrong", ("withheld", "stranger"), False),
+)
 
 
-def _figure_row(figure: Figure) -> tuple[str, ...]:
-    value, interval = ("-", "-")
-    if figure.count:
-        value, interval = f"{figure.value:.3g}", f"{figure.low:.3g} to {figure.high:.3g}"
-    return figure.name, value, interval, str(figure.count), _goal(figure.goal), _yes(figure.met)
+def _figures(score: Score) -> Table:
+    """All figures, and those of every campaign for itself."""
+    numbers = range(1, len(score.apart) + 1) if len(score.apart) > 1 else ()
+    head = ("figure", "value", "95 % interval", "of", "goal", "met", *(f"seed {number}" for number in numbers))
+    rows = []
+    for k, figure in enumerate(score.figures):
+        value, interval = _measured(figure)
+        told = (figure.name, value, interval, str(figure.count), _goal(figure.goal), _yes(figure.met))
+        alone = [_measured(score.apart[number - 1].figures[k]) for number in numbers]
+        rows.append((*told, *(f"{value} ({interval})" for value, interval in alone)))
+    return head, rows
+
+
+def _measured(figure: Figure) -> tuple[str, str]:
+    return (f"{figure.value:.3g}", f"{figure.low:.3g} to {figure.high:.3g}") if figure.count else ("-", "-")
+
+
+def _held_row(outcomes: Sequence[Outcome], level: float) -> tuple[str, ...]:
+    inside = held(outcomes, level)
+    low, high = wilson(sum(inside), len(inside))
+    share = f"{sum(inside) / len(inside):.3g}" if inside else "-"
+    return f"{level:g}", share, f"{low:.3g} to {high:.3g}", str(len(inside))
+
+
+def _closure_row(outcomes: Sequence[Outcome], name: str, kinds: Sequence[str], right: bool) -> tuple[str, ...]:
+    closures = [o.closure for o in outcomes if o.kind in kinds and o.right == right and np.isfinite(o.closure)]
+    shown = np.quantile(closures, (0, 0.1, 0.5, 0.9, 1)) if closures else np.full(5, np.nan)
+    return name, str(len(closures)), *(_number(float(value)) for value in shown)
 
 
 def _goal(goal: tuple[float, float] | None) -> str:

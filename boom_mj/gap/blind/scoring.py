@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
+from scipy.stats import norm
 
 from boom_mj.errors import InputError
 from boom_mj.files import read_bytes, read_json, read_text
@@ -46,19 +47,38 @@ class Figure:
 
 @dataclass(frozen=True)
 class Score:
-    """All outcomes in the order of the cases' names, and the figures made of them."""
+    """Outcomes and the figures made of them.
+
+    Attributes:
+        outcomes: in the order of the cases' names, campaign by campaign.
+        seeds, seals: SHA-256 of every campaign's.
+        apart: what it is pooled of, one score a campaign.
+    """
 
     outcomes: tuple[Outcome, ...]
     figures: tuple[Figure, ...]
-    seed_sha256: str
-    seal_sha256: str
+    seeds: tuple[str, ...]
+    seals: tuple[str, ...]
+    apart: tuple["Score", ...] = ()
 
     def document(self) -> dict[str, Any]:
         """Everything as plain data."""
-        figures = [{**vars(f), "met": f.met} for f in self.figures]
+        apart = [{"figures": _told(one.figures)} for one in self.apart]
         outcomes = [vars(outcome) for outcome in self.outcomes]
-        hashes = {"seal_sha256": self.seal_sha256, "seed_sha256": self.seed_sha256}
-        return _plain({**hashes, "figures": figures, "outcomes": outcomes})
+        hashes = {"seal_sha256": self.seals, "seed_sha256": self.seeds}
+        return _plain({**hashes, "figures": _told(self.figures), "campaigns": apart, "outcomes": outcomes})
+
+
+def _told(figures: Sequence[Figure]) -> list[dict[str, Any]]:
+    return [{**vars(figure), "met": figure.met} for figure in figures]
+
+
+def pooled(scores: Sequence[Score]) -> Score:
+    """The score of several campaigns together."""
+    outcomes, seeds, seals = (
+        tuple(item for one in scores for item in getattr(one, name)) for name in ("outcomes", "seeds", "seals")
+    )
+    return Score(outcomes, tuple(figures(outcomes)), seeds, seals, tuple(scores))
 
 
 def score(folder: Path, seal: Path, answers: Path) -> Score:
@@ -77,7 +97,7 @@ def score(folder: Path, seal: Path, answers: Path) -> Score:
         path = answers / f"{case}.json"
         answer = read_json(path, InputError) if path.exists() else NO_ANSWER
         outcomes.append(_of_its_kind(path, "answer to its case", partial(judge_case, case, truth, answer)))
-    return Score(tuple(outcomes), tuple(figures(outcomes)), str(sealed.get("seed_sha256")), published)
+    return Score(tuple(outcomes), tuple(figures(outcomes)), (str(sealed.get("seed_sha256")),), (published,))
 
 
 def _of_its_kind(path: Path, kind: str, use: Callable[[], T]) -> T:
@@ -103,7 +123,6 @@ def figures(outcomes: Sequence[Outcome]) -> list[Figure]:
     by = {kind: [o for o in outcomes if o.kind == kind] for kind in ("single", "none", "pair", "withheld", "stranger")}
     singles, outside = by["single"], [*by["withheld"], *by["stranger"]]
     closures = np.array([o.closure for o in (*singles, *by["pair"]) if o.right])
-    covered = [inside for o in outcomes for inside in o.covered]
     wall = np.array([o.wall_s for o in outcomes if np.isfinite(o.wall_s)])
     return [
         _share("single effect: right id", [o.right for o in singles], (0.95, 1)),
@@ -120,9 +139,15 @@ def figures(outcomes: Sequence[Outcome]) -> list[Figure]:
         _share("two effects: both named and placed", [o.placed for o in by["pair"]], None),
         _quantile("held-out closure of solved cases, median", closures, 0.5, (0.95, np.inf)),
         _quantile("held-out closure of solved cases, 10th percentile", closures, 0.1, (0.85, np.inf)),
-        _share("95 % intervals that hold the truth", covered, (0.90, 0.98)),
+        _share("95 % intervals that hold the truth", held(outcomes, 0.95), (0.90, 0.98)),
         _quantile("time of one case on one core, median, s", wall, 0.5, None),
     ]
+
+
+def held(outcomes: Sequence[Outcome], level: float) -> list[bool]:
+    """Whether each interval would hold the truth, scaled to a level as a normal deviate would be."""
+    reach = float(norm.ppf((1 + level) / 2)) / SURE
+    return [abs(error) <= reach for outcome in outcomes for error in outcome.errors]
 
 
 def _share(name: str, hits: Sequence[bool], goal: tuple[float, float] | None) -> Figure:
