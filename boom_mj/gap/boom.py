@@ -85,6 +85,7 @@ class Boom(Subject):
         zero=NUISANCE,
         frames="Accelerometers and gyroscopes: x along the link, y up, z to the side. Markers: world, z up.",
     )
+    swings = True
     listening = "imu/link5/specific_force"
 
     def __init__(self, machine: Machine) -> None:

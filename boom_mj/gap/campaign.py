@@ -110,6 +110,13 @@ class Campaign:
         """Index of the recording of every entry, (N,)."""
         return self.spread([channel.recording for channel in self.channels]).astype(int)
 
+    def blurred(self, vector: Array, length: float) -> Array:
+        """The means of a vector's measured entries (N,) over stretches of so many seconds of every channel."""
+        stretch = (self.time // length).astype(int)
+        stretch += self.channel_of * (stretch.max() + 1)
+        total, count = np.bincount(stretch, vector * self.used), np.bincount(stretch, self.used)
+        return np.where(self.used, (total / np.maximum(count, 1))[stretch], 0.0)
+
     @cached_property
     def time(self) -> Array:
         """(N,), s from the start of its recording."""

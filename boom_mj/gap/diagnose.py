@@ -10,9 +10,9 @@ from threadpoolctl import threadpool_limits
 
 from boom_mj.gap.campaign import Campaign
 from boom_mj.gap.candidate import Candidate, everywhere
-from boom_mj.gap.fit import ROUGH, fit
+from boom_mj.gap.fit import ROUGH, START, fit
 from boom_mj.gap.judge import Closure, Judged, closure, gap, judge, worse_by
-from boom_mj.gap.metric import Metric, anchored, around, beside, coarsely, make_metric
+from boom_mj.gap.metric import Metric, anchored, around, beside, blurred, coarsely, make_metric
 from boom_mj.gap.screen import Screened, Signatures, spectral_lines
 from boom_mj.gap.subject import Push
 
@@ -24,6 +24,7 @@ SMALLEST = 0.10  # fall of the held-out mean square that counts
 QUIET = 1.15  # held-out gap up to which nothing needs explaining
 SETTLED = 1.06  # gap that an explanation may leave, held out or not; right ones leave 0.95 to 1.01
 ROUNDS, WORSE = 3, 1.2  # of polishing, and the growth of the training gap at which it is given up
+HELPED, FAR = 0.98, 0.25  # of the training gap that polishing must leave to go on, if more than this of the gap is left
 NEAR = 0.05  # of a size worth finding, within which nuisances and model error stay what they are
 HOPE = 0.9  # of what there was to explain: what leaves more is not fitted again
 CLOSE = 1.5  # times the best held-out gap, up to which a rival is fitted again
@@ -93,7 +94,7 @@ def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], 
         for size in range(2, campaign.subject.causes + 1):
             if not solved((learnt, before), contest[0]):
                 contest = _combine(contest, size, without, tell)
-        contest = _without_one(contest)
+        contest = _without_one(contest, before)
     best = choose(contest, before)
     share = closure(metric, nominal, best.fit.residual if best else nominal, campaign.held_out)
     verdict = "consistent" if before <= QUIET else "unexplained"
@@ -126,10 +127,12 @@ def shortlist(screened: Sequence[Screened]) -> list[Screened]:
 
 def _fit_all(metric: Metric, candidates: Sequence[Candidate]) -> list[Judged]:
     coarse = coarsely(metric)
+    slow = blurred(coarse)
 
     def judged(candidate: Candidate) -> Judged:
         own = beside(coarse, candidate.effects)
-        return judge(own, fit(own, candidate, ROUGH))
+        first = fit(beside(slow, candidate.effects), candidate, START) if metric.campaign.subject.swings else None
+        return judge(own, fit(own, candidate, ROUGH, first.coordinates if first else None))
 
     with ThreadPoolExecutor(max(1, len(candidates))) as threads:
         found = list(threads.map(judged, candidates))
@@ -173,14 +176,14 @@ def _combine(contest: list[Judged], size: int, without: Sequence[str], tell: Cal
     return sorted([*contest, *_polished(found, contest[0].held_out, tell)], key=lambda j: j.held_out)
 
 
-def _without_one(contest: list[Judged]) -> list[Judged]:
+def _without_one(contest: list[Judged], before: float) -> list[Judged]:
     """The contest, and what remains of its leading combination without one of its effects, from where it has them."""
     best = contest[0]
     if len(best.fit.effects) == 1:
         return contest
     parts = [Candidate(tuple(e for e in best.fit.effects if e is not one)) for one in best.fit.effects]
     fitted = _fit_all(best.metric, parts)
-    found = [*contest, *(_polish(j) if j.held_out < CLOSE * best.held_out else j for j in fitted)]
+    found = [*contest, *(_polish(j, before) if j.held_out < CLOSE * best.held_out else j for j in fitted)]
     best_of = {j.fit.candidate.places: j for j in sorted(found, key=lambda j: -j.held_out)}
     return sorted(best_of.values(), key=lambda j: j.held_out)
 
@@ -191,12 +194,12 @@ def _polished(contest: Sequence[Judged], before: float, tell: Callable[[str], No
     close = [j for j in contest if j.held_out < min(CLOSE * contest[0].held_out, enough)][:LEADERS]
     polished = []
     for judged in close:
-        polished.append(_polish(judged))
+        polished.append(_polish(judged, before))
         tell(f"{judged.label} fitted again: held-out gap {judged.held_out:.2f} -> {polished[-1].held_out:.2f}")
     return sorted([*polished, *contest[len(close) :]], key=lambda j: j.held_out)
 
 
-def _polish(judged: Judged) -> Judged:
+def _polish(judged: Judged, before: float) -> Judged:
     """Fit again from where the last fit has led, then with the nuisances and model error there, until it stays."""
     moved = np.array(np.inf)
     for number in range(1 + ROUNDS):
@@ -207,8 +210,9 @@ def _polish(judged: Judged) -> Judged:
         again = judge(metric, fit(metric, Candidate(effects)))
         if again.train > WORSE * judged.train:
             break
-        moved, judged = np.abs(again.fit.coordinates - judged.fit.coordinates), again
-        if number and np.all(moved < again.deviation):
+        moved, helped = np.abs(again.fit.coordinates - judged.fit.coordinates), again.train < HELPED * judged.train
+        judged, far = again, again.held_out > max(QUIET, 1 + FAR * (before - 1))
+        if (number and np.all(moved < again.deviation)) or (far and not helped):
             break
     return judged
 

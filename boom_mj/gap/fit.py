@@ -11,7 +11,7 @@ from boom_mj.gap.metric import Metric
 Array = np.ndarray
 ITERATIONS = 10
 STEP = 0.05  # of a coordinate, for secants
-ROUGH, SHARP = 1e-2, 1e-4  # relative fall of the cost below which it has converged
+START, ROUGH, SHARP = 0.1, 1e-2, 1e-4  # relative fall of the cost below which it has converged
 PRIOR = 30.0  # deviation of a coordinate: keeps what the data do not tell from running away
 
 
@@ -38,15 +38,16 @@ class Fit:
     cost: float
 
 
-def fit(metric: Metric, candidate: Candidate, enough: float = SHARP) -> Fit:
+def fit(metric: Metric, candidate: Candidate, enough: float = SHARP, instead: Array | None = None) -> Fit:
     """Fit a candidate on the training entries.
 
     Args:
         enough: relative fall of the cost below which it has converged.
+        instead: another start, (p,), where it costs less.
     """
     train = metric.campaign.train
     low, high = candidate.bounds()
-    theta = np.clip(candidate.start, low, high)
+    starts = [np.clip(start, low, high) for start in (candidate.start, instead) if start is not None]
 
     def residuals(points: list[Array]) -> list[Array]:
         predictions = metric.predict([candidate.at(p) for p in points], training_only=True)
@@ -62,7 +63,9 @@ def fit(metric: Metric, candidate: Candidate, enough: float = SHARP) -> Fit:
         moved = residuals([at + step * row for step, row in zip(steps, np.eye(len(at)))])
         return np.stack([(residual - r) / step for r, step in zip(moved, steps)], axis=1)
 
-    (residual,) = residuals([theta])
+    begun = residuals(starts)
+    first = int(np.argmin([cost_of(*one) for one in zip(begun, starts)]))
+    theta, residual = starts[first], begun[first]
     cost, jacobian, fresh, damping = cost_of(residual, theta), secants(theta, residual), True, 1e-3
     for _ in range(ITERATIONS):
         estimate = metric.estimate(residual)

@@ -46,6 +46,7 @@ class Metric:
         weight: 1 / sqrt(v), 0 where nothing was measured, (N,).
         columns: what nuisances change per prior deviation, (N, m).
         nuisances: what they are.
+        blur: length of stretches of which only the mean counts, s; None where every entry does.
     """
 
     campaign: Campaign
@@ -57,6 +58,7 @@ class Metric:
     weight: Array
     columns: Array
     nuisances: tuple[Tolerance, ...]
+    blur: float | None = None
 
     @cached_property
     def basis(self) -> Array:
@@ -92,7 +94,8 @@ class Metric:
         scaled = np.where(self.weight > 0, np.where(np.isfinite(vector), vector * scale, FAILED), 0.0)
         error, share = self._error
         along = np.bincount(self.campaign.channel_of, error * scaled, len(share))
-        return scaled - (share * along)[self.campaign.channel_of] * error
+        whole = scaled - (share * along)[self.campaign.channel_of] * error
+        return whole if self.blur is None else self.campaign.blurred(whole, self.blur)
 
     def estimate(self, white: Array) -> Array:
         """Nuisances that whitened training entries ask for, in units of their prior deviation, within +-LIMIT, (m,)."""
@@ -133,6 +136,12 @@ def coarsely(metric: Metric) -> Metric:
     """The metric with changes simulated by the coarse model."""
     level = metric.campaign.subject.fidelity.coarse
     return metric if metric.level == level else replace(metric, level=level)
+
+
+def blurred(metric: Metric) -> Metric:
+    """The metric of slow changes alone, simulated roughly: a fit has one minimum in it where vibration makes many."""
+    subject = metric.campaign.subject
+    return replace(metric, blur=subject.window, level=subject.fidelity.rough)
 
 
 def beside(metric: Metric, effects: Hypothesis) -> Metric:

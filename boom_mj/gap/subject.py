@@ -45,7 +45,7 @@ class Fidelity:
     """Levels of a model's fidelity, as its subject counts them (hinges, divisions of a step).
 
     Attributes:
-        rough: of screening.
+        rough: of screening, and of where fits start.
         coarse: of nuisances and the contest.
         middle: of the base of all predictions.
         fine: of the check.
@@ -112,6 +112,7 @@ class Subject(ABC):
         spill: share of the mean square that effects took away, which their own inaccuracy may leave.
         words: for people.
         repeat: period of a motion that the recordings repeat, s, if they do.
+        swings: whether it vibrates so long that fits of its recordings have minima of their own.
         listening: signal in which periodic effects show as spectral lines, if there is one.
     """
 
@@ -126,6 +127,7 @@ class Subject(ABC):
     spill: float
     words: Words
     repeat: float | None = None
+    swings: ClassVar[bool] = False
     listening: ClassVar[str | None] = None
 
     @property
