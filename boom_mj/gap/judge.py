@@ -58,10 +58,10 @@ def deviations(metric: Metric, found: Fit) -> Array:
     H = J^T P J + 1 / PRIOR^2, with P what nuisances with their priors leave of a column, and g = J^T P r.
     Residuals are correlated within windows and, where the model is wrong, within whole recordings, and at the same
     moment of every pass of a motion that repeats. The largest counts, and no less than H^-1, what is left when
-    nuisances may be anything that their priors allow.
+    nuisances may be anything that their priors allow, those at a limit too: it is a valley that ends there, not a wall.
     """
     train = metric.campaign.train
-    clean = metric.project(found.jacobian, found.free)[train]
+    clean = metric.project(found.jacobian, np.ones_like(found.free))[train]
     information = found.jacobian[train].T @ clean
     inverse = np.linalg.inv((information + information.T) / 2 + np.eye(clean.shape[1]) / PRIOR**2)
     score = clean * found.residual[train][:, None]
