@@ -26,7 +26,7 @@ Array = np.ndarray
 ROUGH, COARSE, HINGES, FINE = 1, 2, 4, 6
 ORDER = 2  # of convergence in the number of hinges
 PACE = {
-    ROUGH: 4.0,
+    ROUGH: 2.0,
     COARSE: 2.0,
     FINE: (HINGES / FINE) ** 2,
 }  # of the plant's own step: errors of step and hinges fall alike

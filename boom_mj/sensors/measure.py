@@ -10,6 +10,7 @@ from boom_mj.recording import Recording, Signal, named_signal
 from boom_mj.simulation import Experiment, Trajectory
 
 Array = np.ndarray
+INVERSIONS = 8  # of an angle sensor's error, a hundredth of it or less from one to the next
 RESOLUTION = 10.0  # steps of a sensor's converter within one standard deviation of its noise
 
 
@@ -42,8 +43,11 @@ def apply_sensor_effects(effects: Sequence[Effect], signals: dict[str, Signal], 
 
 
 def true_angles(effects: Sequence[Effect], reading: Array) -> Array:
-    """Joint angles behind a reading, (n, 5), rad: errors are small, so that their value at the reading serves."""
-    return reading - sum((e.error(reading) for e in effects if isinstance(e, AngleEffect)), np.zeros_like(reading))
+    """Joint angles behind a reading, (n, 5), rad: the fixed point of reading less error, which is small and smooth."""
+    errors, angles = [e for e in effects if isinstance(e, AngleEffect)], reading
+    for _ in range(INVERSIONS if errors else 0):
+        angles = reading - sum((e.error(angles) for e in errors), np.zeros_like(reading))
+    return angles
 
 
 def sample_rates(machine: Machine) -> dict[str, float]:
