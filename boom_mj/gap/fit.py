@@ -25,7 +25,6 @@ class Fit:
         effects: at the best coordinates.
         residual: whitened and cleaned of nuisances; entries held out are filled by `judge`, (N,).
         jacobian: whitened d prediction / d coordinate on the training entries, zero elsewhere, (N, p).
-        free: nuisances within their limits, (m,) of bool.
         cost: half the sum of squares over the training entries.
     """
 
@@ -34,7 +33,6 @@ class Fit:
     effects: tuple[Effect, ...]
     residual: Array
     jacobian: Array
-    free: Array
     cost: float
 
 
@@ -95,5 +93,4 @@ def fit(metric: Metric, candidate: Candidate, enough: float = SHARP, instead: Ar
                 break
         else:
             jacobian, fresh = secants(theta, residual), True
-    free = metric.free(metric.estimate(residual))
-    return Fit(candidate, theta, candidate.at(theta), metric.clean(residual), jacobian, free, cost)
+    return Fit(candidate, theta, candidate.at(theta), metric.clean(residual), jacobian, cost)

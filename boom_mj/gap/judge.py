@@ -61,7 +61,7 @@ def deviations(metric: Metric, found: Fit) -> Array:
     nuisances may be anything that their priors allow, those at a limit too: it is a valley that ends there, not a wall.
     """
     train = metric.campaign.train
-    clean = metric.project(found.jacobian, np.ones_like(found.free))[train]
+    clean = metric.project(found.jacobian, np.ones(len(metric.nuisances), bool))[train]
     information = found.jacobian[train].T @ clean
     inverse = np.linalg.inv((information + information.T) / 2 + np.eye(clean.shape[1]) / PRIOR**2)
     score = clean * found.residual[train][:, None]

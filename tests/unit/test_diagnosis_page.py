@@ -69,7 +69,7 @@ def residual(m: Metric, size: float) -> np.ndarray:
 def judged(m: Metric, effects: tuple, size: float) -> Judged:
     candidate, left = Candidate(effects), residual(m, size)
     count = len(candidate.knobs)
-    fit = Fit(candidate, candidate.start, effects, left, np.zeros((len(left), count)), np.array([]), 0.0)
+    fit = Fit(candidate, candidate.start, effects, left, np.zeros((len(left), count)), 0.0)
     train, held_out = (gap(m, left, rows) for rows in (m.campaign.train, m.campaign.held_out))
     return Judged(fit, m, train, held_out, np.full(count, 0.02))
 
