@@ -9,6 +9,7 @@ from boom_mj.effects import Effect, Parameter
 from boom_mj.gap.subject import Subject
 
 Array = np.ndarray
+STEP = 0.05  # of a coordinate, for secants
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,11 @@ class Candidate:
         """Smallest and largest coordinates, (p,) each."""
         ends = [sorted((knob.coordinate(knob.low), knob.coordinate(knob.high))) for *_, knob in self.knobs]
         return np.array([low for low, _ in ends]), np.array([high for _, high in ends])
+
+    def steps(self, coordinates: Array) -> tuple[Array, list[tuple[Effect, ...]]]:
+        """A small step of every coordinate that its bounds allow, (p,), and the effects after each of them alone."""
+        steps = np.where(coordinates + STEP <= self.bounds()[1], STEP, -STEP)
+        return steps, [self.at(coordinates + step * row) for step, row in zip(steps, np.eye(len(steps)))]
 
     @property
     def places(self) -> tuple[tuple[str, tuple], ...]:

@@ -8,26 +8,31 @@ from functools import cached_property
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from boom_mj.effects import Effect
 from boom_mj.gap.campaign import Campaign
 from boom_mj.gap.candidate import Candidate, everywhere
-from boom_mj.gap.fit import ROUGH, START, fit
+from boom_mj.gap.fit import START, fit, settle
 from boom_mj.gap.judge import Closure, Judged, closure, gap, judge, worse_by
 from boom_mj.gap.metric import Metric, anchored, around, beside, blurred, coarsely, make_metric
 from boom_mj.gap.screen import Screened, Signatures, spectral_lines
 from boom_mj.gap.subject import Push
 
 Array = np.ndarray
+Gaps = tuple[float, float]  # learnt from, held out
 FINALISTS = 6  # singles that are fitted
-SECONDS = 2  # partners tried for each of the best singles
-LEADERS = 2  # of which combinations are tried, and which are fitted again
+SECONDS = 3  # partners that are tried
+LEADERS = 2  # of a contest that are fitted again
 SMALLEST = 0.10  # fall of the held-out mean square that counts
-QUIET = 1.15  # held-out gap up to which nothing needs explaining
+QUIET, SURE = 1.15, 4.0  # held-out gap up to which nothing needs explaining, and standard errors that name a cause
 SETTLED = 1.06  # gap that an explanation may leave, held out or not; right ones leave 0.95 to 1.01
+ENOUGH = 1.03  # gap beyond which more effects are tried
 ROUNDS, WORSE = 3, 1.2  # of polishing, and the growth of the training gap at which it is given up
 HELPED, FAR = 0.98, 0.25  # of the training gap that polishing must leave to go on, if more than this of the gap is left
-NEAR = 0.05  # of a size worth finding, within which nuisances and model error stay what they are
+NEAR = 0.1  # of a size worth finding, within which nuisances and model error stay what they are
 HOPE = 0.9  # of what there was to explain: what leaves more is not fitted again
 CLOSE = 1.5  # times the best held-out gap, up to which a rival is fitted again
+RIVAL = 0.1  # of what there was to explain, up to which it is even where the best suffices
+KNOB = 1e-3  # of the held-out gap, what a knob must be worth
 TIE = 0.03  # closure within which rivals tie
 
 
@@ -82,28 +87,28 @@ def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], 
     metric = make_metric(campaign)
     raw = metric.residual(metric.base)
     nominal = metric.clean(raw)
-    learnt, before = (gap(metric, nominal, rows) for rows in (campaign.train, campaign.held_out))
+    gaps = learnt, before = gap(metric, nominal, campaign.train), gap(metric, nominal, campaign.held_out)
     tell(f"nominal gap {learnt:.2f} in training, {before:.2f} held out; screening")
     signatures = Signatures(metric, everywhere(campaign.subject, without), spectral_lines(metric, nominal))
     screened = signatures.rank(raw)
     tell("contest of " + ", ".join(s.candidate.label for s in screened[:FINALISTS]))
     contest = _fit_all(metric, [s.candidate for s in shortlist(screened)])
-    if contest and before > QUIET:
-        contest = _polished(contest, before, tell)
+    if contest and (before > QUIET or before**2 - contest[0].held_out ** 2 > SMALLEST / 2):
+        contest = _polished(contest, gaps, tell)
         contest = sorted([*contest, *_fit_all(metric, _simpler(contest))], key=lambda j: j.held_out)
         for size in range(2, campaign.subject.causes + 1):
-            if not solved((learnt, before), contest[0]):
-                contest = _combine(contest, size, without, tell)
-        contest = _without_one(contest, before)
+            if not solved(gaps, contest[0], ENOUGH):
+                contest = _combine(contest, size, gaps, without, tell)
+        contest = _without_one(contest, gaps)
     best = choose(contest, before)
+    if best and before <= QUIET and not _sure(metric, nominal, best):
+        best = None
     share = closure(metric, nominal, best.fit.residual if best else nominal, campaign.held_out)
     verdict = "consistent" if before <= QUIET else "unexplained"
     ties: tuple[Judged, ...] = ()
-    if best and solved((learnt, before), best):
+    if best and solved(gaps, best):
         ties = tuple(j for j in contest if j is not best and _ties(metric, best, j, before))
         verdict = "ambiguous" if ties else "explained"
-    elif best and before <= QUIET and before**2 - best.held_out**2 < 2 * SMALLEST:
-        best = None
     following = None
     if best and ties:
         tell("the next experiment")
@@ -132,17 +137,23 @@ def _fit_all(metric: Metric, candidates: Sequence[Candidate]) -> list[Judged]:
     def judged(candidate: Candidate) -> Judged:
         own = beside(coarse, candidate.effects)
         first = fit(beside(slow, candidate.effects), candidate, START) if metric.campaign.subject.swings else None
-        return judge(own, fit(own, candidate, ROUGH, first.coordinates if first else None))
+        return judge(own, fit(own, candidate, instead=first.coordinates if first else None))
 
     with ThreadPoolExecutor(max(1, len(candidates))) as threads:
         found = list(threads.map(judged, candidates))
     return sorted(found, key=lambda j: j.held_out)
 
 
-def solved(nominal: tuple[float, float], found: Judged) -> bool:
+def solved(nominal: Gaps, found: Judged, settled: float = SETTLED) -> bool:
     """Whether an explanation leaves no more than noise and its own inaccuracy, learnt from and held out."""
-    slack, left = found.metric.campaign.subject.slack, (found.train, found.held_out)
-    return all(after <= SETTLED + slack * (before - 1) for before, after in zip(nominal, left))
+    slack = found.metric.campaign.subject.slack
+    return all(after <= settled + slack * (before - 1) for before, after in zip(nominal, found.gaps))
+
+
+def _sure(metric: Metric, nominal: Array, found: Judged) -> bool:
+    """Whether the held-out residual is smaller than the nominal one beyond what chance does."""
+    fall, error = worse_by(metric, found.fit.residual, nominal, metric.campaign.held_out)
+    return fall > SURE * error
 
 
 def _simpler(contest: Sequence[Judged]) -> list[Candidate]:
@@ -158,61 +169,90 @@ def _simpler(contest: Sequence[Judged]) -> list[Candidate]:
     return found
 
 
-def _combine(contest: list[Judged], size: int, without: Sequence[str], tell: Callable[[str], None]) -> list[Judged]:
-    """Forward: partners for the leaders, by screening again about the machine that each leader makes."""
-    candidates: dict[tuple, Candidate] = {}
-    for leader in [judged for judged in contest if len(judged.fit.effects) == size - 1][:LEADERS]:
-        tell(f"screening beside {leader.label}")
-        known, metric = leader.fit, leader.metric
-        signatures = Signatures(
-            metric, everywhere(metric.campaign.subject, without), spectral_lines(metric, known.residual), known.effects
-        )
-        raw = metric.residual(*metric.predict([known.effects]))
-        for partner in signatures.rank(raw, known.jacobian)[:SECONDS]:
-            pair = Candidate((*known.effects, *partner.candidate.effects))
-            candidates.setdefault(pair.places, pair)
-    tell("combinations: " + ", ".join(p.label for p in candidates.values()))
-    found = _fit_all(contest[0].metric, list(candidates.values()))
-    return sorted([*contest, *_polished(found, contest[0].held_out, tell)], key=lambda j: j.held_out)
+def _combine(
+    contest: list[Judged], size: int, nominal: Gaps, without: Sequence[str], tell: Callable[[str], None]
+) -> list[Judged]:
+    """Forward, with a swap: partners for the leader, others for its best partner, then for the next leader."""
+    leaders = [j for j in contest if len(j.fit.effects) == size - 1 and j.held_out < 1 + HOPE * (nominal[1] - 1)]
+    trunks = [(leader.metric, leader.fit.effects) for leader in leaders[:LEADERS]]
+    first = True
+    while trunks and not solved(nominal, contest[0], ENOUGH):
+        metric, trunk = trunks.pop(0)
+        tell("screening beside " + Candidate(trunk).label)
+        tried = {judged.fit.candidate.places for judged in contest}
+        pairs = [pair for pair in _partnered(metric, trunk, without) if pair.places not in tried]
+        tell("combinations: " + ", ".join(pair.label for pair in pairs))
+        found = _polished(_fit_all(metric, pairs), contest[0].gaps, tell)
+        contest = sorted([*contest, *found], key=lambda j: j.held_out)
+        if first and len(contest[0].fit.effects) == size:
+            trunks.insert(0, (contest[0].metric, contest[0].fit.effects[1:]))
+        first = False
+    return contest
 
 
-def _without_one(contest: list[Judged], before: float) -> list[Judged]:
+def _partnered(metric: Metric, trunk: tuple[Effect, ...], without: Sequence[str]) -> list[Candidate]:
+    """Effects together with what screening about their machine suggests."""
+    raw = metric.residual(*metric.predict([trunk]))
+    kinds, lines = everywhere(metric.campaign.subject, without), spectral_lines(metric, metric.clean(raw))
+    partners = Signatures(metric, kinds, lines, trunk).rank(raw)[:SECONDS]
+    return [Candidate((*trunk, *partner.candidate.effects)) for partner in partners]
+
+
+def _without_one(contest: list[Judged], nominal: Gaps) -> list[Judged]:
     """The contest, and what remains of its leading combination without one of its effects, from where it has them."""
     best = contest[0]
     if len(best.fit.effects) == 1:
         return contest
     parts = [Candidate(tuple(e for e in best.fit.effects if e is not one)) for one in best.fit.effects]
-    fitted = _fit_all(best.metric, parts)
-    found = [*contest, *(_polish(j, before) if j.held_out < CLOSE * best.held_out else j for j in fitted)]
+    known = {j.fit.candidate.places: j.held_out for j in reversed(contest)}
+    found = list(contest)
+    for judged in _fit_all(best.metric, parts):
+        promising = judged.held_out < min(CLOSE * best.held_out, known.get(judged.fit.candidate.places, np.inf))
+        found.append(_polish(judged, nominal) if promising else judged)
     best_of = {j.fit.candidate.places: j for j in sorted(found, key=lambda j: -j.held_out)}
     return sorted(best_of.values(), key=lambda j: j.held_out)
 
 
-def _polished(contest: Sequence[Judged], before: float, tell: Callable[[str], None]) -> list[Judged]:
-    """The best fitted again, and those that come close to it, unless they leave almost all that there was before."""
-    enough = 1 + HOPE * (before - 1)
+def _polished(contest: Sequence[Judged], nominal: Gaps, tell: Callable[[str], None]) -> list[Judged]:
+    """Those that are worth it fitted again.
+
+    They come close to the best and leave less than almost all that there was, or have learnt so well that what they say
+    of recordings held out may be a matter of sizes that those learnt from hardly tell.
+    """
+    enough, learnt = 1 + HOPE * (nominal[1] - 1), near(nominal[0])
     close = [j for j in contest if j.held_out < min(CLOSE * contest[0].held_out, enough)][:LEADERS]
-    polished = []
+    close += [j for j in sorted(contest, key=lambda j: j.train)[:1] if j not in close and j.train < learnt]
+    polished: list[Judged] = []
     for judged in close:
-        polished.append(_polish(judged, before))
+        behind = judged.held_out - close[0].held_out > RIVAL * (nominal[1] - 1)
+        if polished and behind and solved(nominal, polished[0], ENOUGH):
+            polished.append(judged)
+            continue
+        polished.append(_polish(judged, nominal))
         tell(f"{judged.label} fitted again: held-out gap {judged.held_out:.2f} -> {polished[-1].held_out:.2f}")
-    return sorted([*polished, *contest[len(close) :]], key=lambda j: j.held_out)
+    return sorted([*polished, *(j for j in contest if j not in close)], key=lambda j: j.held_out)
 
 
-def _polish(judged: Judged, before: float) -> Judged:
+def near(gap: float) -> float:
+    """Up to where most of a gap is gone."""
+    return max(QUIET, 1 + FAR * (gap - 1))
+
+
+def _polish(judged: Judged, nominal: Gaps) -> Judged:
     """Fit again from where the last fit has led, then with the nuisances and model error there, until it stays."""
-    moved = np.array(np.inf)
     for number in range(1 + ROUNDS):
         metric, effects = judged.metric, judged.fit.effects
         estimate = metric.estimate(metric.residual(*metric.predict([effects])))
-        same = number == 0 or (number > 1 and np.all(moved < NEAR))
-        metric = (anchored if same else around)(metric, effects, estimate)
-        again = judge(metric, fit(metric, Candidate(effects)))
+        if number:
+            again = judge(*settle(around(metric, effects, estimate), Candidate(effects)))
+        else:
+            metric = anchored(metric, effects, estimate)
+            again = judge(metric, fit(metric, Candidate(effects)))
         if again.train > WORSE * judged.train:
             break
         moved, helped = np.abs(again.fit.coordinates - judged.fit.coordinates), again.train < HELPED * judged.train
-        judged, far = again, again.held_out > max(QUIET, 1 + FAR * (before - 1))
-        if (number and np.all(moved < again.deviation)) or (far and not helped):
+        judged, stays = again, number and np.all(moved < np.maximum(NEAR, again.deviation))
+        if (stays and not (helped and max(again.gaps) > SETTLED)) or (not helped and again.train > near(nominal[0])):
             break
     return judged
 
@@ -221,18 +261,23 @@ def choose(contest: Sequence[Judged], before: float) -> Judged | None:
     """The best single cause, with as few knobs as do, or more of them where each is worth it."""
     useful = [j for j in contest if before**2 - j.held_out**2 > SMALLEST]
     singles = [j for j in useful if len(j.fit.effects) == 1]
-    best = min(singles, key=lambda j: j.held_out, default=None)
+    best = min(singles, key=_price, default=None)
     best = _simplest(best, singles, before)
     for size in range(2, 1 + max((len(j.fit.effects) for j in useful), default=0)):
         best = _with_more(best, [j for j in useful if len(j.fit.effects) == size], contest, before)
     return best
 
 
+def _price(found: Judged) -> float:
+    """The held-out gap, dearer with every knob: of explanations that say the same the simplest is the best."""
+    return found.held_out * (1 + KNOB * len(found.fit.coordinates))
+
+
 def _with_more(
     best: Judged | None, larger: Sequence[Judged], contest: Sequence[Judged], before: float
 ) -> Judged | None:
     """The best explanation with one more cause, where it closes its share of what is left, or the best so far."""
-    for judged in sorted(larger, key=lambda j: j.held_out):
+    for judged in sorted(larger, key=_price):
         members = [j for j in contest if set(j.fit.candidate.places) < set(judged.fit.candidate.places)]
         alone = min([before, *(j.held_out for j in members), *([best.held_out] if best else [])])
         gain = alone**2 - judged.held_out**2

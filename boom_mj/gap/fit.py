@@ -1,17 +1,20 @@
-"""Fitting a candidate: Levenberg-Marquardt over its knobs, nuisances projected out, Broyden's update in between."""
+"""Fitting a candidate: roughly, with nuisances added linearly, and then together with them, all of them simulated."""
 
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import cholesky, solve_triangular
+from scipy.optimize import lsq_linear
 
 from boom_mj.effects import Effect
 from boom_mj.gap.candidate import Candidate
-from boom_mj.gap.metric import Metric
+from boom_mj.gap.metric import LIMIT, Metric, anchored, coarsely
+from boom_mj.gap.subject import Hypothesis
 
 Array = np.ndarray
 ITERATIONS = 10
-STEP = 0.05  # of a coordinate, for secants
-START, ROUGH, SHARP = 0.1, 1e-2, 1e-4  # relative fall of the cost below which it has converged
+START, ROUGH = 0.1, 1e-2  # relative fall of the cost below which a fit has converged
+SETTLED = 0.3  # fall of the cost, half a sum of squares, that is not worth a step
 PRIOR = 30.0  # deviation of a coordinate: keeps what the data do not tell from running away
 
 
@@ -36,8 +39,8 @@ class Fit:
     cost: float
 
 
-def fit(metric: Metric, candidate: Candidate, enough: float = SHARP, instead: Array | None = None) -> Fit:
-    """Fit a candidate on the training entries.
+def fit(metric: Metric, candidate: Candidate, enough: float = ROUGH, instead: Array | None = None) -> Fit:
+    """Fit a candidate on the training entries: Levenberg-Marquardt, nuisances projected out, Broyden's updates.
 
     Args:
         enough: relative fall of the cost below which it has converged.
@@ -47,9 +50,8 @@ def fit(metric: Metric, candidate: Candidate, enough: float = SHARP, instead: Ar
     low, high = candidate.bounds()
     starts = [np.clip(start, low, high) for start in (candidate.start, instead) if start is not None]
 
-    def residuals(points: list[Array]) -> list[Array]:
-        predictions = metric.predict([candidate.at(p) for p in points], training_only=True)
-        return [np.where(train, metric.residual(p), 0.0) for p in predictions]
+    def residuals(hypotheses: list[Hypothesis]) -> list[Array]:
+        return [np.where(train, metric.residual(p), 0.0) for p in metric.predict(hypotheses, training_only=True)]
 
     def cost_of(residual: Array, at: Array) -> float:
         estimate = metric.estimate(residual)
@@ -57,11 +59,10 @@ def fit(metric: Metric, candidate: Candidate, enough: float = SHARP, instead: Ar
         return 0.5 * float(left @ left + estimate @ estimate + at @ at / PRIOR**2)
 
     def secants(at: Array, residual: Array) -> Array:
-        steps = np.where(at + STEP <= high, STEP, -STEP)
-        moved = residuals([at + step * row for step, row in zip(steps, np.eye(len(at)))])
-        return np.stack([(residual - r) / step for r, step in zip(moved, steps)], axis=1)
+        steps, points = candidate.steps(at)
+        return np.stack([(residual - r) / step for r, step in zip(residuals(points), steps)], axis=1)
 
-    begun = residuals(starts)
+    begun = residuals([candidate.at(start) for start in starts])
     first = int(np.argmin([cost_of(*one) for one in zip(begun, starts)]))
     theta, residual = starts[first], begun[first]
     cost, jacobian, fresh, damping = cost_of(residual, theta), secants(theta, residual), True, 1e-3
@@ -74,7 +75,7 @@ def fit(metric: Metric, candidate: Candidate, enough: float = SHARP, instead: Ar
         new = np.clip(theta + np.clip(step, -10, 10), low, high)
         if np.max(np.abs(new - theta)) < 1e-4:
             break
-        (found,) = residuals([new])
+        (found,) = residuals([candidate.at(new)])
         new_cost = cost_of(found, new)
         if new_cost < cost:
             moved = new - theta
@@ -94,3 +95,46 @@ def fit(metric: Metric, candidate: Candidate, enough: float = SHARP, instead: Ar
         else:
             jacobian, fresh = secants(theta, residual), True
     return Fit(candidate, theta, candidate.at(theta), metric.clean(residual), jacobian, cost)
+
+
+def settle(metric: Metric, candidate: Candidate) -> tuple[Metric, Fit]:
+    """Fit a candidate and the nuisances together, both simulated: Gauss-Newton, with bounds and Broyden's updates.
+
+    Where nuisances move along with a knob, a fit that adds them linearly stays near where it begins. First derivatives
+    of both are the coarse model's: those of different models would not tell how alike the two are.
+
+    Args:
+        metric: about the machine at which the candidate starts.
+
+    Returns:
+        The metric anchored at the best, and the fit in it.
+    """
+    train, count = metric.campaign.train, len(candidate.start)
+    (low, high), reach = candidate.bounds(), np.full(len(metric.nuisances), LIMIT)
+    prior = np.r_[np.full(count, PRIOR**-2), np.ones(len(metric.nuisances))]
+
+    def simulated(at: Array) -> tuple[Metric, Array, float]:
+        here = anchored(metric, candidate.at(at[:count]), at[count:], training_only=True)
+        left = here.residual(here.base)[train] - here.taught @ at[count:]
+        return here, left, 0.5 * float(left @ left + at @ (prior * at))
+
+    at = np.r_[np.clip(candidate.start, low, high), metric.estimate(metric.residual(metric.base))]
+    here, left, cost = simulated(at)
+    steps, points = candidate.steps(at[:count])
+    moved = coarsely(here).predict(points, training_only=True)
+    jacobian = np.stack([here.white(p - here.base) / step for p, step in zip(moved, steps)], axis=1)
+    columns = np.hstack([jacobian[train], metric.taught])
+    for _ in range(ITERATIONS):
+        root, slope = cholesky(columns.T @ columns + np.diag(prior)), columns.T @ left - prior * at
+        ends = np.r_[low, -reach] - at, np.r_[high, reach] - at
+        step = lsq_linear(root, solve_triangular(root, slope, trans="T"), ends).x
+        if slope @ step - 0.5 * np.sum((root @ step) ** 2) < SETTLED:
+            break
+        there, rest, price = simulated(at + step)
+        columns += np.outer(left - rest - columns @ step, step) / (step @ step)
+        if price < cost:
+            at, here, left, cost = at + step, there, rest, price
+    best = candidate.at(at[:count])
+    here = anchored(metric, best, at[count:])
+    found = here.clean(here.residual(here.base))
+    return here, Fit(candidate, at[:count], best, found, np.where(train[:, None], jacobian, 0.0), cost)

@@ -16,7 +16,7 @@ Array = np.ndarray
 DRAWS = 400
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Judged:
     """A fit and its gaps.
 
@@ -32,6 +32,10 @@ class Judged:
     train: float
     held_out: float
     deviation: Array
+
+    @property
+    def gaps(self) -> tuple[float, float]:
+        return self.train, self.held_out
 
     @property
     def label(self) -> str:

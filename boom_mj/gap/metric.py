@@ -153,11 +153,12 @@ def beside(metric: Metric, effects: Hypothesis) -> Metric:
     return replace(metric, columns=metric.columns * kept, nuisances=nuisances)
 
 
-def anchored(metric: Metric, effects: Hypothesis, estimate: Array) -> Metric:
+def anchored(metric: Metric, effects: Hypothesis, estimate: Array, training_only: bool = False) -> Metric:
     """The metric with the base of a machine that has effects and nuisances; weights, columns, model error stay."""
     metric = beside(metric, effects)
     individual = of_size(metric.nuisances, estimate)
-    (base,) = metric.campaign.predict([(*effects, *individual)], metric.campaign.subject.fidelity.middle)
+    level = metric.campaign.subject.fidelity.middle
+    (base,) = metric.campaign.predict([(*effects, *individual)], level, training_only)
     return replace(metric, effects=effects, individual=individual, base=base - metric.columns @ estimate)
 
 

@@ -2,11 +2,12 @@
 
 For the probes of a candidate the columns J = f(probe) - f(0) are simulated at the roughest level; in the inner product
 of the metric the best weights are w = (J^T J + 1 / W^2)^-1 J^T r, and they explain the share J^T r . w / <r, r> of the
-training misfit. All candidates go in one batch.
+training misfit. All candidates go in one batch, and with them what follows freely, so that what the two have in common
+is known: the nuisances, and the effects that the machine has already.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -14,6 +15,7 @@ import numpy as np
 from boom_mj.effects import Effect
 from boom_mj.effects.effect import Location
 from boom_mj.gap.candidate import Candidate
+from boom_mj.gap.fit import PRIOR
 from boom_mj.gap.metric import Metric
 
 Array = np.ndarray
@@ -36,7 +38,7 @@ class Signatures:
         metric: of that machine.
         kinds: effects and places.
         lines: frequencies (Hz) offered to periodic effects.
-        given: effects that the machine has already.
+        given: effects that the machine has already, free to change.
     """
 
     def __init__(
@@ -52,38 +54,38 @@ class Signatures:
         self.rows = [(kind, place, group) for kind, place in free for group in kind.probes(place, lines) if group]
         campaign, subject = metric.campaign, metric.campaign.subject
         probes = [kind(place, **probe) for kind, place, group in self.rows for probe in group]
-        columns = {p: column for p in probes if (column := subject.shortcut(p, metric)) is not None}
+        known, train, level = Candidate(given), campaign.train, subject.fidelity.rough
+        steps, moved = known.steps(known.start)
+        nuisances = [(*given, *t.hypothesis) for t in metric.nuisances]
+        base, *found = campaign.predict([given, *nuisances, *moved], level, training_only=True)
+        changes = np.nan_to_num([f - base for f in found]).reshape(len(found), len(base)).T
+        rough = replace(metric, columns=changes[:, : len(nuisances)] * [t.deviation for t in metric.nuisances])
+        known_columns = [metric.white(change)[train] / s for change, s in zip(changes.T[len(nuisances) :], steps)]
+        self.follow = np.column_stack([rough.taught, *known_columns])
+        columns = {p: column for p in probes if (column := subject.shortcut(p, rough)) is not None}
         model = [probe for probe in probes if probe not in columns]
-        hypotheses = [given, *((*given, probe) for probe in model)]
-        base, *found = campaign.predict(hypotheses, subject.fidelity.rough, training_only=True)
+        found = campaign.predict([(*given, probe) for probe in model], level, training_only=True)
         columns |= {probe: metric.white(f - base) for probe, f in zip(model, found)}
-        train = campaign.train
-        self.columns = np.stack([columns[probe][train] for probe in probes], axis=1).astype(np.float32)  # (training, c)
+        self.columns = np.stack([columns[p][train] for p in probes], axis=1).astype(np.float32)  # (training, c)
         ends = np.cumsum([0, *(len(group) for _, _, group in self.rows)])
         self.stretches = [slice(start, stop) for start, stop in pairwise(ends)]
 
-    def rank(self, residual: Array, given: Array | None = None) -> list[Screened]:
-        """Candidates by the share of a whitened residual that they may explain, best first, each at its best probe.
-
-        Args:
-            given: whitened columns (N, k) of effects that are already accepted, free to change.
-        """
+    def rank(self, residual: Array) -> list[Screened]:
+        """Candidates by the share of a whitened residual that they may explain, best first, each at its best probe."""
         metric, train = self.metric, self.metric.campaign.train
         estimate = metric.estimate(residual)
         left = residual[train] - metric.taught @ estimate
-        # what follows freely: nuisances within their limits, and effects that are already accepted
-        follow, inner = metric.taught[:, metric.free(estimate)], np.eye(int(metric.free(estimate).sum()))
-        if given is not None:
-            follow = np.hstack([follow, given[train]])
-            inner = np.pad(inner, (0, given.shape[1])) + 1e-9 * np.eye(follow.shape[1])
-        across = follow.astype(np.float32).T @ self.columns  # (k, c)
-        following = np.linalg.solve(inner + follow.T @ follow, across)
-        slopes, whole = self.columns.T @ left.astype(np.float32), float(left @ left)
+        count, free = len(estimate), metric.free(estimate)  # a nuisance at its limit does not follow
+        prior = np.r_[np.ones(count), np.full(self.follow.shape[1] - count, PRIOR**-2)]
+        follow, prior = (part[..., np.r_[free, np.ones(len(prior) - count, bool)]] for part in (self.follow, prior))
+        across = follow.T @ self.columns  # (k, c)
+        following = np.linalg.solve(np.diag(prior) + follow.T @ follow, across)
+        slopes, whole = left @ self.columns - (left @ follow) @ following, float(left @ left)
         best: dict[tuple, Screened] = {}
         for (kind, place, group), part in zip(self.rows, self.stretches):
             square = self.columns[:, part].T @ self.columns[:, part] - across[:, part].T @ following[:, part]
             curvature = square + np.eye(len(group)) / WIDEST**2
-            weights = np.linalg.solve(curvature.astype(float), slopes[part].astype(float))
+            weights = np.linalg.solve(curvature, slopes[part])
             values = kind.blend(group, weights)
             candidate = Candidate((kind(place, **values),))
             share = float(slopes[part] @ weights / whole) if _acts(kind, values) else 0.0
