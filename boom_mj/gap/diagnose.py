@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 from boom_mj.effects import Effect
 from boom_mj.gap.campaign import Campaign
 from boom_mj.gap.candidate import Candidate, everywhere
-from boom_mj.gap.fit import START, fit, settle
+from boom_mj.gap.fit import ROUGH, SHARP, START, fit, settle
 from boom_mj.gap.judge import Closure, Judged, closure, gap, judge, worse_by
 from boom_mj.gap.metric import Metric, anchored, around, beside, blurred, coarsely, make_metric
 from boom_mj.gap.screen import Screened, Signatures, spectral_lines
@@ -243,11 +243,11 @@ def _polish(judged: Judged, nominal: Gaps) -> Judged:
     for number in range(1 + ROUNDS):
         metric, effects = judged.metric, judged.fit.effects
         estimate = metric.estimate(metric.residual(*metric.predict([effects])))
-        if number:
-            again = judge(*settle(around(metric, effects, estimate), Candidate(effects)))
+        metric, swings = (around if number else anchored)(metric, effects, estimate), metric.campaign.subject.swings
+        if number and swings:
+            again = judge(*settle(metric, Candidate(effects)))
         else:
-            metric = anchored(metric, effects, estimate)
-            again = judge(metric, fit(metric, Candidate(effects)))
+            again = judge(metric, fit(metric, Candidate(effects), ROUGH if swings else SHARP))
         if again.train > WORSE * judged.train:
             break
         moved, helped = np.abs(again.fit.coordinates - judged.fit.coordinates), again.train < HELPED * judged.train

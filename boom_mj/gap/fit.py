@@ -13,7 +13,7 @@ from boom_mj.gap.subject import Hypothesis
 
 Array = np.ndarray
 ITERATIONS = 10
-START, ROUGH = 0.1, 1e-2  # relative fall of the cost below which a fit has converged
+START, ROUGH, SHARP = 0.1, 1e-2, 1e-4  # relative fall of the cost below which a fit has converged
 SETTLED = 0.3  # fall of the cost, half a sum of squares, that is not worth a step
 PRIOR = 30.0  # deviation of a coordinate: keeps what the data do not tell from running away
 
