@@ -252,7 +252,8 @@ def _polish(judged: Judged, nominal: Gaps) -> Judged:
             break
         moved, helped = np.abs(again.fit.coordinates - judged.fit.coordinates), again.train < HELPED * judged.train
         judged, stays = again, number and np.all(moved < np.maximum(NEAR, again.deviation))
-        if (stays and not (helped and max(again.gaps) > SETTLED)) or (not helped and again.train > near(nominal[0])):
+        hopeless = swings and not helped and again.train > near(nominal[0])
+        if hopeless or (stays and not (helped and max(again.gaps) > SETTLED)):
             break
     return judged
 
