@@ -175,14 +175,15 @@ def _combine(
     """Forward, with a swap: partners for the leader, others for its best partner, then for the next leader."""
     leaders = [j for j in contest if len(j.fit.effects) == size - 1 and j.held_out < 1 + HOPE * (nominal[1] - 1)]
     trunks = [(leader.metric, leader.fit.effects) for leader in leaders[:LEADERS]]
-    first = True
-    while trunks and not solved(nominal, contest[0], ENOUGH):
+    before, first = contest[0].gaps, True
+    saving = contest[0].metric.campaign.subject.swings  # where all is soon tried a tie is worth the look
+    while trunks and not (saving and solved(nominal, contest[0], ENOUGH)):
         metric, trunk = trunks.pop(0)
         tell("screening beside " + Candidate(trunk).label)
         tried = {judged.fit.candidate.places for judged in contest}
         pairs = [pair for pair in _partnered(metric, trunk, without) if pair.places not in tried]
         tell("combinations: " + ", ".join(pair.label for pair in pairs))
-        found = _polished(_fit_all(metric, pairs), contest[0].gaps, tell)
+        found = _polished(_fit_all(metric, pairs), before, tell)
         contest = sorted([*contest, *found], key=lambda j: j.held_out)
         if first and len(contest[0].fit.effects) == size:
             trunks.insert(0, (contest[0].metric, contest[0].fit.effects[1:]))
