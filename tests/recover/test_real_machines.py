@@ -4,6 +4,7 @@ The data are no part of the project: `BOOM_MJ_REAL`, or ../shared/real beside it
 """
 
 import os
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +35,7 @@ def map_of(name: str) -> Path:
     return ROOT / "models" / "real" / f"{name}.toml"
 
 
+@cache
 def answer(name: str, *held_out: str) -> dict[str, Any]:
     campaign = robot_campaign([log(LOGS[name])], [log(other) for other in held_out], map_of(name))
     return document(diagnose(campaign), [part.name for part in campaign.recordings])
@@ -76,17 +78,28 @@ def test_the_beam_is_as_stiff_as_its_owners_say_and_lacks_damping() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.xfail(strict=True, reason="a gain of the motor in its place leaves less of the held-out gap, 1.4 for 1.7")
 def test_the_hub_has_the_friction_that_steady_speeds_tell() -> None:
-    """`scope_data_deadzone_pos.mat`: 0.445 rad/s at 0.45 V, 1.628 rad/s at 1.1 V, so 0.21 V and 0.55 V s/rad.
+    """`scope_data_deadzone_pos.mat`: 0.445 rad/s at 0.45 V, 1.628 rad/s at 1.1 V, so 0.21 V and 0.55 V s/rad."""
+    hub = sizes_at_hub(answer("flexible_joint"), "joint_friction")
+    assert hub, "no dry friction is named at the hub"
+    force, damping = hub["force"], hub["damping"]
+    assert force["low"] < 0.21 < force["high"]
+    assert damping["low"] < 0.55 - 0.87 < damping["high"]  # the nominal model has 0.87
 
-    A random voltage tells neither dry from viscous nor friction from the motor's gain: the voltage for 1 rad/s, about
-    as fast as its hub is, is what all have to agree on.
-    """
+
+@pytest.mark.slow
+def test_the_hub_needs_the_voltage_that_steady_speeds_tell() -> None:
+    """The same log at 1 rad/s, about as fast as the hub is: dry and viscous friction and the motor's gain together."""
     found = answer("flexible_joint")
-    hub = [e["parameters"] for e in found["effects"] if "friction" in e["id"] and e["location"] == {"joint": "hub"}]
-    more = sum(size["value"] for knobs in hub for size in knobs.values())  # V, and V s/rad at 1 rad/s
+    named = [sizes_at_hub(found, kind) for kind in ("joint_friction", "viscous_friction")]
+    more = sum(size["value"] for knobs in named for size in knobs.values())  # V, and V s/rad at 1 rad/s
     gain = sizes(found, "actuator_gain").get("factor", 1.0)
-    assert hub or gain != 1.0
-    assert (0.87 + more) / gain == pytest.approx(0.21 + 0.55, rel=0.1)  # the nominal model has 0.87 V s/rad
+    assert (0.87 + more) / gain == pytest.approx(0.21 + 0.55, rel=0.1)  # nominally 0.87, which is 14 % too much
     assert sizes(found, "sprung_inertia")["factor"] > 10
     assert found["gap"]["closure"] > 0.9
+
+
+def sizes_at_hub(found: dict[str, Any], name: str) -> dict[str, Any]:
+    effects = [e for e in found["effects"] if (e["id"], e["location"]) == (name, {"joint": "hub"})]
+    return effects[0]["parameters"] if effects else {}
