@@ -9,12 +9,14 @@ spline q(t) with evenly spaced knots whose coefficients c minimise
 a penalised spline: the mean of a random jerk of standard deviation s, given the samples, as a Rauch-Tung-Striebel
 smoother would find it. How large s is differs along the path and is learnt from it: s^2 = GAIN x local mean of
 (d^3 c)^2, solved again until it stays. GAIN makes up for the variance that a mean lacks. Where a joint rests - where a
-line through a window of samples has a slope within its own noise - every sample is the mean of the rest.
+line through a window of samples has a slope within its own noise, and a cubic through the whole rest finds no drift, as
+it does where a sensor's error creeps while the joint turns - every sample is the mean of the rest.
 
 Chosen by figures among smoothers that know less: docs/smoothing.md.
 """
 
 import numpy as np
+from numpy.polynomial.legendre import legvander
 from scipy.interpolate import BSpline
 from scipy.linalg import solveh_banded
 from scipy.ndimage import binary_erosion, uniform_filter1d
@@ -28,7 +30,7 @@ ROUNDS = 8  # until the jerk's size stays
 FIRST_JERK, LEAST_JERK = np.radians(10.0), np.radians(0.05)  # rad/s^3; the first does not matter
 LOCAL = 0.5  # s, over which jerk has one size
 WINDOW = 0.8  # s, over which rest shows
-SLOPE_SIGMAS = 5.0
+SLOPE_SIGMAS, DRIFT = 5.0, 3  # of a slope or drift that is none; degree of a drift
 NORMAL = 1.4826  # standard deviation over median absolute deviation
 
 
@@ -76,7 +78,10 @@ def _rested(samples: Array, step: float, noise: float) -> Array:
     still, samples = resting(samples, step, noise), samples.copy()
     edges = np.flatnonzero(np.diff(np.concatenate([[0], still.astype(int), [0]])))
     for start, stop in edges.reshape(-1, 2):
-        samples[start:stop] = samples[start:stop].mean()
+        rest, drift = samples[start:stop], legvander(np.linspace(-1, 1, stop - start), DRIFT)
+        beyond = rest - drift @ np.linalg.lstsq(drift, rest, rcond=None)[0]
+        if np.var(rest) - np.var(beyond) < (SLOPE_SIGMAS * noise) ** 2 / len(rest):
+            samples[start:stop] = rest.mean()
     return samples
 
 

@@ -49,6 +49,13 @@ def test_rest_is_held_at_its_mean() -> None:
     np.testing.assert_allclose(smooth, read.mean(), atol=1e-9)
 
 
+def test_an_error_that_creeps_while_the_joint_turns_is_no_stair() -> None:
+    time = np.arange(0, 45, 0.02)
+    error = 0.01 * np.sin(2.4 * 0.05 * time)[:, None]  # rad; slower than any window tells
+    smooth = smooth_angles(time, error + NOISE * np.random.default_rng(3).normal(size=error.shape), NOISE, time)
+    assert np.sqrt(np.mean((smooth - error) ** 2)) < NOISE / 3
+
+
 def test_samples_need_not_be_even() -> None:
     rng = np.random.default_rng(1)
     time = np.sort(rng.uniform(0, 10, 600))
