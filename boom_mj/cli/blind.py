@@ -3,6 +3,7 @@
 import json
 import os
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -102,6 +103,10 @@ def score(
     folders: Folders,
     seal: Seals,
     answers: Answers = None,
+    hindsight: Annotated[
+        bool, typer.Option("--hindsight", help="Also simulate the truth of every miss, about a minute each.")
+    ] = False,
+    jobs: Jobs = 1,
     as_json: Annotated[
         Path | None, typer.Option("--json", metavar="FILE", help="Figures and outcomes as JSON.")
     ] = None,
@@ -111,11 +116,13 @@ def score(
 ) -> None:
     """Open the seal, check that it is the published one, and hold the answers against it.
 
-    Several campaigns, each with its seal in the same order, are scored together and for themselves.
+    Several campaigns, each with its seal in the same order, are scored together and for themselves. In hindsight a miss
+    is the search's fault where the truth leaves no more than noise, and the model's where it leaves more.
 
     Example: python -m boom_mj gap blind score cases --seal answers.seal -o score.html
     """
-    from boom_mj.gap.blind import confusion_svg, html_page, markdown_page, pooled
+    from boom_mj.cli.progress import progress
+    from boom_mj.gap.blind import confusion_svg, html_page, markdown_page, pooled, with_hindsight
     from boom_mj.gap.blind import score as hold
 
     if page is not None and page.suffix not in (".md", ".html"):
@@ -126,7 +133,12 @@ def score(
     given = answers or [_answers(folder, None) for folder in folders]
     if not len(folders) == len(seal) == len(given):
         raise InputError(f"{len(folders)} campaigns need as many seals and answers; got {len(seal)} and {len(given)}")
-    found = pooled([hold(*one) for one in zip(folders, seal, given)])
+    alone = [hold(*one) for one in zip(folders, seal, given)]
+    if hindsight:
+        with progress() as report:
+            told = [partial(report, f"misses of {folder.name}") for folder in folders]
+            alone = [with_hindsight(*one[:3], jobs, one[3]) for one in zip(alone, folders, seal, told)]
+    found = pooled(alone)
     outputs: dict[Path, str] = {}
     if as_json is not None:
         outputs[as_json] = json.dumps(found.document(), indent=1) + "\n"
@@ -143,7 +155,8 @@ def score(
         print(f"{mark} {figure.name:74}{value}   of {figure.count}")
     for outcome in found.outcomes:
         if outcome.reason:
-            print(f"  {outcome.case}  {outcome.kind:9} {outcome.reason}")
+            left = f"; the truth leaves {outcome.truth_leaves:.2f}" if outcome.truth_leaves >= 0 else ""
+            print(f"  {outcome.case}  {outcome.kind:9} {outcome.reason}{left}")
 
 
 def _answers(folder: Path, given: Path | None) -> Path:

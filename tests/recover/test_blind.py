@@ -5,10 +5,11 @@ import shutil
 from hashlib import sha256
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from boom_mj.effects import effect_library
-from boom_mj.gap.blind import SHORT, answer_cases, make_cases, score, waiting_cases
+from boom_mj.gap.blind import SHORT, answer_cases, make_cases, score, waiting_cases, with_hindsight
 from boom_mj.gap.blind.making import STAMP
 from boom_mj.gap.blind.strangers import STRANGERS
 from boom_mj.logs import read_log, write_mcap
@@ -106,3 +107,7 @@ def test_from_the_secret_to_the_score(made: Path, cluster: str) -> None:
     assert {o.case: (o.truth, o.answer, o.right) for o in found.outcomes}[healthy] == ("none", "consistent", True)
     assert all(o.right for o in found.outcomes)
     assert waiting_cases(made / "cases", answers) == ([], 2)
+    (answers / f"{ill}.json").unlink()
+    missed = with_hindsight(score(made / "cases", made / "seal.json", answers), made / "cases", made / "seal.json")
+    leaves = {o.case: o.truth_leaves for o in missed.outcomes}
+    assert leaves[ill] == pytest.approx(1, abs=0.06) and np.isnan(leaves[healthy])

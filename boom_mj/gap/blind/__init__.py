@@ -1,9 +1,11 @@
 """The blind check: cases whose effect is sealed, their diagnosis by processes that cannot know it, and the score.
 
-`making` draws and simulates on a plant that is not the diagnosing model, `running` diagnoses, `scoring` opens the seal.
+`making` draws and simulates on a plant that is not the diagnosing model, `running` diagnoses, `scoring` opens the seal,
+`hindsight` tells of misses whether the search or the model is to blame.
 """
 
 from boom_mj.gap.blind.drawing import MIX as MIX
+from boom_mj.gap.blind.hindsight import with_hindsight as with_hindsight
 from boom_mj.gap.blind.making import SHORT as SHORT
 from boom_mj.gap.blind.making import SUITE as SUITE
 from boom_mj.gap.blind.making import Suite as Suite

@@ -39,6 +39,7 @@ class Outcome:
         reason: why a miss is one.
         suspect: what the answer took for its cause where it found no explanation, in a word or two.
         details: where it lies, by the answer.
+        truth_leaves: held-out gap that the truth itself leaves; NaN where nobody asked (`hindsight`).
     """
 
     case: str
@@ -56,6 +57,7 @@ class Outcome:
     reason: str
     suspect: str
     details: str
+    truth_leaves: float = np.nan
 
 
 def judge_case(case: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -> Outcome:

@@ -79,11 +79,15 @@ def _sections(score: Score) -> list[tuple[str, str, Table]]:
         (
             "Misses",
             f"{len(misses)} of {len(score.outcomes)}, with the reason; visibility is what an oracle sees of the "
-            "effect, in deviations of the noise.",
+            "effect, in deviations of the noise. The truth leaves: held-out gap that the sealed effects themselves "
+            "leave; where it is 1 the search is to blame, where it is more the model.",
             (
-                ("case", "class", "truth", "answer", "visibility", "closure", "reason"),
+                ("case", "class", "truth", "answer", "visibility", "closure", "truth leaves", "reason"),
                 [
-                    (o.case, o.kind, o.truth, o.answer, f"{o.visibility:.1f}", _number(o.closure), o.reason)
+                    (
+                        *(o.case, o.kind, o.truth, o.answer, f"{o.visibility:.1f}"),
+                        *(_number(o.closure), _number(o.truth_leaves), o.reason),
+                    )
                     for o in misses
                 ],
             ),

@@ -63,8 +63,13 @@ def solve(case: Path, machine: str) -> str:
     began = time.perf_counter()
     with confined_to(case):
         without = tuple(read_json(case / "withhold.json", InputError)["without"])
-        train, held_out = (sorted((case / part).glob("*.mcap")) for part in ("train", "holdout"))
-        paths = (*train, *held_out)
-        campaign = Campaign(parse_machine(machine), [read_log(path) for path in paths], len(train), threads=1)
-        found = document(diagnose(campaign, without), [path.stem for path in paths])
+        campaign = campaign_of(case, machine)
+        found = document(diagnose(campaign, without), [log.name for log in campaign.recordings])
     return json.dumps({**found, "without": without, "wall_s": time.perf_counter() - began}, indent=1)
+
+
+def campaign_of(case: Path, machine: str) -> Campaign:
+    """The recordings of a case."""
+    train, held_out = (sorted((case / part).glob("*.mcap")) for part in ("train", "holdout"))
+    logs = [read_log(path) for path in (*train, *held_out)]
+    return Campaign(parse_machine(machine), logs, len(train), threads=1)
