@@ -162,16 +162,26 @@ class Campaign:
             level: of fidelity.
             training_only: leave out recordings that are held out whole.
         """
+        futures = self._begin(hypotheses, level, training_only)
+        return [self._stack([part.result() for part in parts]) for parts in futures]
+
+    def ahead(self, hypotheses: Sequence[Hypothesis], *levels: int) -> None:
+        """Begin what will soon be predicted at several levels, so that no thread waits for the last of a batch."""
+        for level in levels:
+            self._begin(hypotheses, level)
+
+    def _begin(
+        self, hypotheses: Sequence[Hypothesis], level: int, training_only: bool = False
+    ) -> list[list[Future[Array]]]:
+        """Predictions of every hypothesis on every recording; the longest are simulated first."""
         indices = range(self.training if training_only else len(self.recordings))
+        longest = sorted(indices, key=self.duration, reverse=True)  # first, so that threads end together
         alike: dict[frozenset, list[int]] = {}  # those that differ in their sensors only go together
         for number, hypothesis in enumerate(hypotheses):
             alike.setdefault(frozenset(self.subject.split(hypothesis)[0]), []).append(number)
-        futures = {
-            number: [self._submit(hypotheses[number], level, index) for index in indices]
-            for numbers in alike.values()
-            for number in numbers
-        }
-        return [self._stack([part.result() for part in futures[number]]) for number in range(len(hypotheses))]
+        order = [number for numbers in alike.values() for number in numbers]
+        begun = {number: {k: self._submit(hypotheses[number], level, k) for k in longest} for number in order}
+        return [[begun[number][k] for k in indices] for number in range(len(hypotheses))]
 
     def _stack(self, parts: Sequence[Array]) -> Array:
         vector = np.concatenate(parts)

@@ -126,7 +126,9 @@ class Metric:
 
 def make_metric(campaign: Campaign) -> Metric:
     """Simulate the healthy machine at several fidelities and with every tolerance."""
-    nuisances, level = campaign.subject.tolerances(), campaign.subject.fidelity.coarse
+    nuisances, fidelity = campaign.subject.tolerances(), campaign.subject.fidelity
+    campaign.ahead([()], fidelity.fine, fidelity.middle)
+    level = fidelity.coarse
     coarse, *shifted = campaign.predict([(), *(t.hypothesis for t in nuisances)], level)
     columns = [(s - coarse) * t.deviation for s, t in zip(shifted, nuisances)]
     return _weigh(campaign, ((), (), nuisances), level, columns, np.zeros(len(columns)))
@@ -170,6 +172,7 @@ def around(metric: Metric, effects: Hypothesis, estimate: Array) -> Metric:
     campaign, kept = metric.campaign, anchored(metric, effects, estimate)
     nuisances = tuple(t.beside(effects) for t in campaign.subject.tolerances())
     whole, moving = (*effects, *kept.individual), [t for t in nuisances if not t.still]
+    campaign.ahead([whole], campaign.subject.fidelity.fine)
     coarse = [whole, *((*whole, *t.hypothesis) for t in moving)]
     base, *shifted = campaign.predict(coarse, campaign.subject.fidelity.coarse)
     found = iter([(prediction - base) * t.deviation for prediction, t in zip(shifted, moving)])
