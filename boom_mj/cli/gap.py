@@ -151,8 +151,7 @@ def diagnose(
 def _summary(answer: dict[str, Any]) -> str:
     lines = [f"{answer['verdict']}: {answer['sentence']}", ""]
     for effect in answer["effects"] or answer["suspect"]:
-        place = ", ".join(f"{k} {v}" for k, v in effect["location"].items())
-        lines.append(f"  {effect['id']} {place}")
+        lines.append(f"  {_named(effect)}")
         for name, p in effect["parameters"].items():
             interval = " .. ".join("inf" if p[end] is None else f"{p[end]:.4g}" for end in ("low", "high"))
             size = f"{p['value']:.4g} {p['unit']}".removesuffix(" 1")
@@ -160,11 +159,14 @@ def _summary(answer: dict[str, Any]) -> str:
     for part, gaps in (("training", answer["gap"]["train"]), ("held out", answer["gap"]["holdout"])):
         lines.append(f"  gap {part:9} {gaps['before']:7.2f} -> {gaps['after']:.2f}   (floor 1)")
     for rival in answer["rivals"][:4]:
-        place = ", ".join(f"{k} {v}" for k, v in rival["location"].items())
-        lines.append(f"  not {rival['id']} {place}: {rival['why_not']}")
+        lines.append(f"  not {' + '.join(map(_named, (rival, *rival.get('with', ()))))}: {rival['why_not']}")
     if answer["next_experiment"]:
         lines.append(f"  next experiment: {answer['next_experiment']}")
     return "\n".join(lines)
+
+
+def _named(effect: dict[str, Any]) -> str:
+    return " ".join([effect["id"], *(f"{k} {v}" for k, v in effect["location"].items())])
 
 
 def _write_predictions(found: Any, folder: Path, paths: list[Path]) -> None:

@@ -1,6 +1,6 @@
 """A candidate: effects at their places whose free knobs are coordinates of one vector."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -52,6 +52,17 @@ class Candidate:
         """A small step of every coordinate that its bounds allow, (p,), and the effects after each of them alone."""
         steps = np.where(coordinates + STEP <= self.bounds()[1], STEP, -STEP)
         return steps, [self.at(coordinates + step * row) for step, row in zip(steps, np.eye(len(steps)))]
+
+    def simpler(self) -> Iterator["Candidate"]:
+        """Without one of several effects, or with one where it has fewer knobs, such as roll for roll and pitch."""
+        for one in self.effects:
+            others, kind = tuple(e for e in self.effects if e is not one), type(one)
+            if others:
+                yield Candidate(others)
+            for place in kind.locations():
+                knobs = set(kind.knobs(place))
+                if knobs < set(kind.knobs(one.location)):
+                    yield Candidate((*others, kind(place, **{name: one.values[name] for name in knobs})))
 
     @property
     def places(self) -> tuple[tuple[str, tuple], ...]:

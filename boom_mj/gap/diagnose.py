@@ -1,6 +1,6 @@
 """The diagnosis: fidelity and nuisances, screening, contest, combinations, and judgement on held-out data."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
@@ -24,10 +24,9 @@ SECONDS = 3  # partners that are tried
 LEADERS = 2  # of a contest that are fitted again
 SMALLEST = 0.10  # fall of the held-out mean square that counts
 QUIET, SURE = 1.15, 4.0  # held-out gap up to which nothing needs explaining, and standard errors that name a cause
-SETTLED = 1.06  # gap that an explanation may leave, held out or not; right ones leave 0.95 to 1.01
-ENOUGH = 1.03  # gap beyond which more effects are tried
+SETTLED = 1.03  # gap that an explanation may leave, held out or not; right ones leave 0.95 to 1.01
 ROUNDS, WORSE = 3, 1.2  # of polishing, and the growth of the training gap at which it is given up
-HELPED, FAR = 0.98, 0.25  # of the training gap that polishing must leave to go on, if more than this of the gap is left
+HELPED, FAR = 0.98, 0.25  # of a gap that fitting again must leave to go on, if more than this of the gap is left
 NEAR = 0.1  # of a size worth finding, within which nuisances and model error stay what they are
 HOPE = 0.9  # of what there was to explain: what leaves more is not fitted again
 CLOSE = 1.5  # times the best held-out gap, up to which a rival is fitted again
@@ -92,14 +91,13 @@ def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], 
     signatures = Signatures(metric, everywhere(campaign.subject, without), spectral_lines(metric, nominal))
     screened = signatures.rank(raw)
     tell("contest of " + ", ".join(s.candidate.label for s in screened[:FINALISTS]))
-    contest = _fit_all(metric, [s.candidate for s in shortlist(screened)])
+    contest = _fit_all(metric, [start for s in shortlist(screened) for start in s.starts])
     if contest and (before > QUIET or before**2 - contest[0].held_out ** 2 > SMALLEST / 2):
         contest = _polished(contest, gaps, tell)
-        contest = sorted([*contest, *_fit_all(metric, _simpler(contest))], key=lambda j: j.held_out)
         for size in range(2, campaign.subject.causes + 1):
-            if not solved(gaps, contest[0], ENOUGH):
+            if not solved(gaps, contest[0]):
                 contest = _combine(contest, size, gaps, without, tell)
-        contest = _without_one(contest, gaps)
+        contest = _simpler(contest, gaps)
     best = choose(contest, before)
     if best and before <= QUIET and not _sure(metric, nominal, best):
         best = None
@@ -140,33 +138,27 @@ def _fit_all(metric: Metric, candidates: Sequence[Candidate]) -> list[Judged]:
         return judge(own, fit(own, candidate, instead=first.coordinates if first else None))
 
     with ThreadPoolExecutor(max(1, len(candidates))) as threads:
-        found = list(threads.map(judged, candidates))
-    return sorted(found, key=lambda j: j.held_out)
+        return _best_of_each(threads.map(judged, candidates))
 
 
-def solved(nominal: Gaps, found: Judged, settled: float = SETTLED) -> bool:
+def _best_of_each(found: Iterable[Judged]) -> list[Judged]:
+    """Of those with the same causes at the same places the best, best first."""
+    best: dict[tuple, Judged] = {}
+    for judged in sorted(found, key=lambda j: j.held_out):
+        best.setdefault(judged.fit.candidate.places, judged)
+    return list(best.values())
+
+
+def solved(nominal: Gaps, found: Judged) -> bool:
     """Whether an explanation leaves no more than noise and its own inaccuracy, learnt from and held out."""
     slack = found.metric.campaign.subject.slack
-    return all(after <= settled + slack * (before - 1) for before, after in zip(nominal, found.gaps))
+    return all(after <= SETTLED + slack * (before - 1) for before, after in zip(nominal, found.gaps))
 
 
 def _sure(metric: Metric, nominal: Array, found: Judged) -> bool:
     """Whether the held-out residual is smaller than the nominal one beyond what chance does."""
     fall, error = worse_by(metric, found.fit.residual, nominal, metric.campaign.held_out)
     return fall > SURE * error
-
-
-def _simpler(contest: Sequence[Judged]) -> list[Candidate]:
-    """The best effect at places where it has fewer knobs, such as roll alone for roll and pitch."""
-    (effect, *others), kind = contest[0].fit.effects, type(contest[0].fit.effects[0])
-    tried = {judged.fit.candidate.places for judged in contest}
-    found = []
-    for place in kind.locations():
-        knobs = set(kind.knobs(place))
-        if knobs < set(kind.knobs(effect.location)) and not others:
-            candidate = Candidate((kind(place, **{name: effect.values[name] for name in knobs}),))
-            found += [candidate] if candidate.places not in tried else []
-    return found
 
 
 def _combine(
@@ -177,12 +169,12 @@ def _combine(
     trunks = [(leader.metric, leader.fit.effects) for leader in leaders[:LEADERS]]
     before, first = contest[0].gaps, True
     saving = contest[0].metric.campaign.subject.swings  # where all is soon tried a tie is worth the look
-    while trunks and not (saving and solved(nominal, contest[0], ENOUGH)):
+    while trunks and not (saving and solved(nominal, contest[0])):
         metric, trunk = trunks.pop(0)
         tell("screening beside " + Candidate(trunk).label)
         tried = {judged.fit.candidate.places for judged in contest}
         pairs = [pair for pair in _partnered(metric, trunk, without) if pair.places not in tried]
-        tell("combinations: " + ", ".join(pair.label for pair in pairs))
+        tell("combinations: " + ", ".join(dict.fromkeys(pair.label for pair in pairs)))
         found = _polished(_fit_all(metric, pairs), before, tell)
         contest = sorted([*contest, *found], key=lambda j: j.held_out)
         if first and len(contest[0].fit.effects) == size:
@@ -196,22 +188,25 @@ def _partnered(metric: Metric, trunk: tuple[Effect, ...], without: Sequence[str]
     raw = metric.residual(*metric.predict([trunk]))
     kinds, lines = everywhere(metric.campaign.subject, without), spectral_lines(metric, metric.clean(raw))
     partners = Signatures(metric, kinds, lines, trunk).rank(raw)[:SECONDS]
-    return [Candidate((*trunk, *partner.candidate.effects)) for partner in partners]
+    return [Candidate((*trunk, *start.effects)) for partner in partners for start in partner.starts]
 
 
-def _without_one(contest: list[Judged], nominal: Gaps) -> list[Judged]:
-    """The contest, and what remains of its leading combination without one of its effects, from where it has them."""
-    best = contest[0]
-    if len(best.fit.effects) == 1:
-        return contest
-    parts = [Candidate(tuple(e for e in best.fit.effects if e is not one)) for one in best.fit.effects]
-    known = {j.fit.candidate.places: j.held_out for j in reversed(contest)}
-    found = list(contest)
-    for judged in _fit_all(best.metric, parts):
-        promising = judged.held_out < min(CLOSE * best.held_out, known.get(judged.fit.candidate.places, np.inf))
-        found.append(_polish(judged, nominal) if promising else judged)
-    best_of = {j.fit.candidate.places: j for j in sorted(found, key=lambda j: -j.held_out)}
-    return sorted(best_of.values(), key=lambda j: j.held_out)
+def _simpler(contest: list[Judged], nominal: Gaps) -> list[Judged]:
+    """The contest, and what remains of its leader with one effect or some knobs less, as long as that is chosen."""
+    leader: Judged | None = contest[0]
+    while leader:
+        known = {j.fit.candidate.places: j.held_out for j in reversed(contest)}
+        parts = _fit_all(leader.metric, list(Candidate(leader.fit.effects).simpler()))
+        for part in sorted(parts, key=lambda j: len(j.fit.coordinates)):
+            before = known.get(part.fit.candidate.places, np.inf)
+            if part.held_out < min(CLOSE * leader.held_out, HELPED * before):
+                part = _polish(part, nominal)
+            contest = _best_of_each([*contest, part] if part.held_out < HELPED * before else contest)
+            if choose(contest, nominal[1]) is part:
+                break
+        chosen = choose(contest, nominal[1])
+        leader = chosen if chosen and len(chosen.fit.coordinates) < len(leader.fit.coordinates) else None
+    return contest
 
 
 def _polished(contest: Sequence[Judged], nominal: Gaps, tell: Callable[[str], None]) -> list[Judged]:
@@ -226,7 +221,7 @@ def _polished(contest: Sequence[Judged], nominal: Gaps, tell: Callable[[str], No
     polished: list[Judged] = []
     for judged in close:
         behind = judged.held_out - close[0].held_out > RIVAL * (nominal[1] - 1)
-        if polished and behind and solved(nominal, polished[0], ENOUGH):
+        if polished and behind and solved(nominal, polished[0]):
             polished.append(judged)
             continue
         polished.append(_polish(judged, nominal))

@@ -21,14 +21,26 @@ from boom_mj.gap.metric import Metric
 Array = np.ndarray
 WIDEST = 10.0  # prior deviation of a probe's weight
 LINES = 3  # spectral lines offered to periodic effects
+ALIKE = 0.9  # of the largest share of all, from which other probes of a candidate are starts too,
+APART = 0.5  # if they differ by more of a size worth finding
 
 
 @dataclass(frozen=True)
 class Screened:
-    """A candidate at the values that screening suggests, and the share of the training misfit that it may explain."""
+    """A candidate at the values that screening suggests, and the share of the training misfit that it may explain.
+
+    Attributes:
+        others: the same causes at other values that promise as much: fits have a minimum for each of many periods.
+    """
 
     candidate: Candidate
     share: float
+    others: tuple[Candidate, ...] = ()
+
+    @property
+    def starts(self) -> tuple[Candidate, ...]:
+        """All from which a fit may begin."""
+        return self.candidate, *self.others
 
 
 class Signatures:
@@ -81,7 +93,7 @@ class Signatures:
         across = follow.T @ self.columns  # (k, c)
         following = np.linalg.solve(np.diag(prior) + follow.T @ follow, across)
         slopes, whole = left @ self.columns - (left @ follow) @ following, float(left @ left)
-        best: dict[tuple, Screened] = {}
+        found: dict[tuple, list[Screened]] = {}
         for (kind, place, group), part in zip(self.rows, self.stretches):
             square = self.columns[:, part].T @ self.columns[:, part] - across[:, part].T @ following[:, part]
             curvature = square + np.eye(len(group)) / WIDEST**2
@@ -89,9 +101,17 @@ class Signatures:
             values = kind.blend(group, weights)
             candidate = Candidate((kind(place, **values),))
             share = float(slopes[part] @ weights / whole) if _acts(kind, values) else 0.0
-            if candidate.places not in best or best[candidate.places].share < share:
-                best[candidate.places] = Screened(candidate, share)
-        return sorted(best.values(), key=lambda s: -s.share)
+            found.setdefault(candidate.places, []).append(Screened(candidate, share))
+        least = ALIKE * max((s.share for alike in found.values() for s in alike), default=0.0)
+        ranked = []
+        for alike in found.values():
+            best, *others = sorted(alike, key=lambda s: -s.share)
+            starts = [best.candidate]
+            for other in (s.candidate for s in others if s.share > least):
+                if all(np.max(np.abs(other.start - start.start)) > APART for start in starts):
+                    starts.append(other)
+            ranked.append(replace(best, others=tuple(starts[1:])))
+        return sorted(ranked, key=lambda s: -s.share)
 
 
 def _causes(kind: type[Effect], place: Location) -> set[tuple]:

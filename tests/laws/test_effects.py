@@ -82,6 +82,27 @@ def test_parameters_are_bounded_and_documented(kind: type[Effect]) -> None:
             kind(place, **{name: bound.low - 1})
 
 
+def test_what_pulsations_blend_into_pushes_as_they_do_together() -> None:
+    """Probes push in proportion to their weights, and so does what they become: an amplitude, a phase, a harmonic."""
+    kind, place, time = effect_library()["pump_pulsation"], {"direction": "vertical"}, np.linspace(0, 9, 200)
+    line, (alone, with_harmonic) = 0.9, kind.probes({}, (0.9,))
+    phase, size, ratio = 0.7, 3.0, 0.4
+    tone = size * np.array([np.cos(phase), np.sin(phase)])
+    harmonic = ratio * size * np.array([np.cos(2 * phase), np.sin(2 * phase)])
+
+    def force(values: dict[str, float]) -> np.ndarray:
+        return kind(place, **values).push(BOOM, time, np.zeros((len(time), 5)))["tip"][:, 2]
+
+    for group, weights in (
+        (alone, tone),
+        (with_harmonic, np.r_[tone, 0 * harmonic]),
+        (with_harmonic, np.r_[tone, harmonic]),
+    ):
+        together = sum(w * force({"harmonic_ratio": 0.0, **probe}) for w, probe in zip(weights, group))
+        assert force(kind.blend(group, weights)) == pytest.approx(together, abs=1e-9)
+    assert {probe["frequency"] for probe in with_harmonic} == {line / 2, line}
+
+
 def test_text_becomes_an_effect() -> None:
     term = parse_effect("link_stiffness:link=3,axis=w,factor=0.9")
     assert term.location == {"link": 3, "axis": "w"} and term.values == {"factor": 0.9}

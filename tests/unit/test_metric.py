@@ -1,33 +1,16 @@
 """Whitening: V^-1/2 of noise and model error together; nuisances that an effect stands for."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from boom_mj.effects import make_effect
-from boom_mj.gap import Campaign
 from boom_mj.gap.boom import Boom, tolerances
 from boom_mj.gap.metric import Metric, beside, of_size
-from boom_mj.logs import read_log
-from boom_mj.machine import load_machine
-from boom_mj.recording import window
 
 ROOT = Path(__file__).parents[2]
 ALIKE = Boom.fidelity.alike
-
-
-@pytest.fixture(scope="module")
-def metric() -> Metric:
-    log = read_log(ROOT / "logs" / "independent_release_stretched_vertical.mcap")
-    cut = {name: window(signal, 7.0, 9.0) for name, signal in log.signals.items()}
-    campaign = Campaign(load_machine(ROOT / "models" / "boom36.toml"), [replace(log, signals=cut)], 1, threads=1)
-    rng = np.random.default_rng(0)
-    weight = np.where(campaign.used, 1 / campaign.noise, 0.0)
-    error = 3 * rng.standard_normal(len(weight)) * campaign.noise
-    columns = rng.standard_normal((len(weight), len(tolerances())))
-    return Metric(campaign, (), (), 2, np.zeros(len(weight)), error, weight, columns, tolerances())
 
 
 def test_products_of_whitened_vectors_are_those_of_the_inverse_covariance(metric: Metric):

@@ -37,16 +37,22 @@ class PumpPulsation(LoadEffect):
 
     @classmethod
     def probes(cls, location: Location, lines: Sequence[float] = ()) -> list[list[dict[str, float]]]:
-        """Sine and cosine at every frequency that stands out."""
-        return [[{"amplitude": 100.0, "frequency": f, "phase": p} for p in (0.0, np.pi / 2)] for f in lines]
+        """Sine and cosine at every frequency that stands out; and at half of it, of which it may be the harmonic."""
+        tones = {
+            f: [{"amplitude": 100.0, "frequency": f, "phase": p} for p in (0.0, np.pi / 2)]
+            for line in lines
+            for f in (line, line / 2)
+        }
+        return [group for line in lines for group in (tones[line], tones[line / 2] + tones[line])]
 
     @classmethod
     def blend(cls, probes: Sequence[Values], weights: Array) -> dict[str, float]:
-        """Amplitude and phase of a line."""
-        sine, cosine = 100.0 * np.asarray(weights)
-        amplitude = float(np.clip(np.hypot(sine, cosine), 0.0, 5e3))
+        """Amplitude and phase of the lowest tone, and the size of its harmonic."""
+        sizes = [complex(*pair) for pair in np.reshape(weights, (-1, 2))]  # of sine and cosine at each frequency
+        tone, harmonic = sizes[0], sum(sizes[1:])
         return {
-            "amplitude": amplitude,
+            "amplitude": float(np.clip(100.0 * abs(tone), 0.0, 5e3)),
             "frequency": probes[0]["frequency"],
-            "phase": float(np.arctan2(cosine, sine)),
+            "phase": float(np.angle(tone)),
+            "harmonic_ratio": float(np.clip(abs(harmonic) / max(abs(tone), 1e-9), 0.0, 2.0)),
         }
