@@ -201,9 +201,10 @@ def _simpler(contest: list[Judged], nominal: Gaps) -> list[Judged]:
             before = known.get(part.fit.candidate.places, np.inf)
             if part.held_out < min(CLOSE * leader.held_out, HELPED * before):
                 part = _polish(part, nominal)
-            contest = _best_of_each([*contest, part] if part.held_out < HELPED * before else contest)
-            if choose(contest, nominal[1]) is part:
-                break
+            if part.held_out < HELPED * before:
+                contest = _best_of_each([*contest, part])
+                if choose(contest, nominal[1]) is part:
+                    break
         chosen = choose(contest, nominal[1])
         leader = chosen if chosen and len(chosen.fit.coordinates) < len(leader.fit.coordinates) else None
     return contest
