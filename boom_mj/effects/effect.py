@@ -31,6 +31,7 @@ from boom_mj.recording import Signal
 Array = np.ndarray
 Location = Mapping[str, int | str]
 Values = Mapping[str, float]
+KNOT = 0.1  # s, between the pulses of which a course in time is made
 
 
 @dataclass(frozen=True)
@@ -121,6 +122,17 @@ class Effect(ABC):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _revive, (self.id, self.location, self.values)
+
+    def pulse(self, time: float) -> "Effect | None":
+        """Where part of what it does has a course in time that no log tells: it with a pulse of that course instead.
+
+        The pulse is a hat that rises from 0 to 1 within KNOT before the time (s) and falls as fast.
+        """
+        return None
+
+    def course(self, strength: float) -> dict[str, float]:
+        """What a course of this strength (standard deviation in pulses) says of its parameters."""
+        return {}
 
     @property
     def cause(self) -> tuple[Any, ...]:

@@ -89,6 +89,7 @@ def described(found: Diagnosis) -> list[dict[str, Any]]:
                 middle, reach = best.fit.coordinates[number], SURE * best.deviation[number]
                 ends = sorted(knob.value(middle + side * reach) for side in (-1, 1))
                 parameters[name] = {"value": effect.values[name], "low": ends[0], "high": ends[1], "unit": knob.unit}
+        parameters |= _of_course(best, effect, parameters)
         alone = next((j for j in found.contest if j.fit.candidate.places == Candidate((effect,)).places), None)
         entries.append(
             {
@@ -99,6 +100,24 @@ def described(found: Diagnosis) -> list[dict[str, Any]]:
             }
         )
     return entries
+
+
+def _of_course(best: Judged, effect: Effect, parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """What the course in time of an effect says of its parameters, if it has one."""
+    courses = best.metric.courses
+    if courses is None:
+        return {}
+    ends = [{**effect.values, **{name: told[end] for name, told in parameters.items()}} for end in ("low", "high")]
+    found = [type(effect)(effect.location, **values).course(s) for values in ends for s in courses.reach]
+    return {
+        name: {
+            "value": value,
+            "low": min(one[name] for one in found),
+            "high": max(one[name] for one in found),
+            "unit": effect.parameters[name].unit,
+        }
+        for name, value in effect.course(courses.strength).items()
+    }
 
 
 def rival(found: Diagnosis, other: Judged) -> dict[str, Any]:
@@ -130,7 +149,7 @@ def sentence(found: Diagnosis) -> str:
         leaves = f"close {found.closure.value:.0%} and leave {found.best.held_out:.1f}" if found.best else ""
         tried = f"; {found.best.label} would {leaves}" if found.best else ""
         return f"The gap of {before:.1f} has no explanation in the library{tried}: {where}."
-    cause = " and ".join(_in_words(effect) for effect in found.best.fit.effects)
+    cause = " and ".join(_in_words(entry) for entry in described(found))
     text = f"{cause[0].upper()}{cause[1:]} closes {found.closure.value:.0%} of the held-out gap of {before:.1f}"
     if found.ties:
         text += ", and so would " + " or ".join(j.label for j in found.ties)
@@ -183,13 +202,12 @@ def _toml(entry: Mapping[str, Any]) -> str:
     return "\n".join(["[[effect]]", *(f"{k} = {v!r}".replace("'", '"') for k, v in entry.items())]) + "\n"
 
 
-def _in_words(effect: Effect) -> str:
-    place = ", ".join(f"{k} {v}" for k, v in effect.location.items())
-    sizes = ", ".join(
-        f"{name} {effect.values[name]:.4g} {effect.parameters[name].unit}".removesuffix(" 1")
-        for name in effect.knobs(effect.location)
-    )
-    return f"{effect.id.replace('_', ' ')}{f' at {place}' if place else ''} ({sizes})"
+def _in_words(entry: Mapping[str, Any]) -> str:
+    """An effect as `described`."""
+    place = ", ".join(f"{k} {v}" for k, v in entry["location"].items())
+    told = entry["parameters"].items()
+    sizes = ", ".join(f"{name} {size['value']:.4g} {size['unit']}".removesuffix(" 1") for name, size in told)
+    return f"{entry['id'].replace('_', ' ')}{f' at {place}' if place else ''} ({sizes})"
 
 
 def _brief(effects: Sequence[Effect]) -> dict[str, Any]:

@@ -34,6 +34,7 @@ KEPT = 24  # compiled plants
 STIFFNESS = {"v": 0.005, "w": 0.005, "torsion": 0.01}  # of all links
 PLATES = 0.003  # of the stiffness of a single link
 MASS, DAMPING = 0.003, 0.05  # of a link, of all of them
+CHANGE = 0.002  # of those, for derivatives: one of 0.01 turns a vibration by half a radian until a recording ends
 GAIN = 0.002  # of a pressure sensor
 VISCOUS = 0.5  # of the machine file's, that may be missing or too much
 ZERO_OFFSET, OFFSET_STEP = np.radians(0.6), 0.005  # rad: prior of a joint's zero offset, step of its secant
@@ -55,16 +56,18 @@ def tolerances() -> tuple[Tolerance, ...]:
         slippery = make_effect("viscous_friction", {"joint": number, "factor": 0.0})
         found.append(Tolerance((slippery,), VISCOUS, still=True))
     for number in (2, 3):
-        reading = make_effect("pressure_scale", {"cylinder": number, "factor": 1.01})
-        found.append(Tolerance((reading,), GAIN / 0.01, still=True))
+        reading = make_effect("pressure_scale", {"cylinder": number, "factor": 1 + CHANGE})
+        found.append(Tolerance((reading,), GAIN / CHANGE, still=True))
     for axis, deviation in STIFFNESS.items():
-        softer = [make_effect("link_stiffness", {"link": k, "axis": axis, "factor": 0.99}) for k in (2, 3, 4, 5)]
-        found.append(Tolerance(tuple(softer), deviation / 0.01))
+        softer = [make_effect("link_stiffness", {"link": k, "axis": axis, "factor": 1 - CHANGE}) for k in (2, 3, 4, 5)]
+        found.append(Tolerance(tuple(softer), deviation / CHANGE))
     for link in (2, 3, 4, 5):
-        thinner = [make_effect("link_stiffness", {"link": link, "axis": axis, "factor": 0.99}) for axis in STIFFNESS]
-        found.append(Tolerance(tuple(thinner), PLATES / 0.01))
-        found.append(Tolerance((make_effect("link_mass", {"link": link, "factor": 1.01}),), MASS / 0.01))
-    return (*found, Tolerance((make_effect("structural_damping", {"factor": 1.1}),), DAMPING / 0.1))
+        places = [{"link": link, "axis": axis} for axis in STIFFNESS]
+        thinner = [make_effect("link_stiffness", {**place, "factor": 1 - CHANGE}) for place in places]
+        found.append(Tolerance(tuple(thinner), PLATES / CHANGE))
+        found.append(Tolerance((make_effect("link_mass", {"link": link, "factor": 1 + CHANGE}),), MASS / CHANGE))
+    damped = make_effect("structural_damping", {"factor": 1 + CHANGE})
+    return (*found, Tolerance((damped,), DAMPING / CHANGE))
 
 
 class Boom(Subject):

@@ -180,14 +180,15 @@ class Campaign:
         for number, hypothesis in enumerate(hypotheses):
             alike.setdefault(frozenset(self.subject.split(hypothesis)[0]), []).append(number)
         order = [number for numbers in alike.values() for number in numbers]
-        begun = {number: {k: self._submit(hypotheses[number], level, k) for k in longest} for number in order}
+        begun = {number: {k: self.begin(hypotheses[number], level, k) for k in longest} for number in order}
         return [[begun[number][k] for k in indices] for number in range(len(hypotheses))]
 
     def _stack(self, parts: Sequence[Array]) -> Array:
         vector = np.concatenate(parts)
         return np.concatenate([vector, np.full(int(self.offsets[-1]) - len(vector), np.nan)])
 
-    def _submit(self, hypothesis: Hypothesis, level: int, index: int) -> Future:
+    def begin(self, hypothesis: Hypothesis, level: int, index: int) -> Future[Array]:
+        """The prediction of one recording, (n,); see `predict`."""
         key = (frozenset(hypothesis), level, index)
         with self._lock:
             future = self._futures.pop(key, None) or self.pool.submit(self._block_means, hypothesis, level, index)

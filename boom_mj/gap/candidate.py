@@ -9,7 +9,7 @@ from boom_mj.effects import Effect, Parameter
 from boom_mj.gap.subject import Subject
 
 Array = np.ndarray
-STEP = 0.05  # of a coordinate, for secants
+STEP = 0.02  # of a coordinate, for secants
 
 
 @dataclass(frozen=True)

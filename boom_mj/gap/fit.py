@@ -121,8 +121,8 @@ def settle(metric: Metric, candidate: Candidate) -> tuple[Metric, Fit]:
     at = np.r_[np.clip(candidate.start, low, high), metric.estimate(metric.residual(metric.base))]
     here, left, cost = simulated(at)
     steps, points = candidate.steps(at[:count])
-    moved = coarsely(here).predict(points, training_only=True)
-    jacobian = np.stack([here.white(p - here.base) / step for p, step in zip(moved, steps)], axis=1)
+    moved = coarsely(metric).predict(points, training_only=True)  # of the machine whose nuisances the columns are
+    jacobian = np.stack([metric.white(p - metric.base) / step for p, step in zip(moved, steps)], axis=1)
     columns = np.hstack([jacobian[train], metric.taught])
     for _ in range(ITERATIONS):
         root, slope = cholesky(columns.T @ columns + np.diag(prior)), columns.T @ left - prior * at

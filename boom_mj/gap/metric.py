@@ -23,6 +23,7 @@ from scipy.optimize import lsq_linear
 
 from boom_mj.effects import Effect
 from boom_mj.gap.campaign import Campaign
+from boom_mj.gap.course import Courses, courses_of
 from boom_mj.gap.subject import Hypothesis, Tolerance
 
 Array = np.ndarray
@@ -47,6 +48,7 @@ class Metric:
         columns: what nuisances change per prior deviation, (N, m).
         nuisances: what they are.
         blur: length of stretches of which only the mean counts, s; None where every entry does.
+        courses: what they explain does not count; None where nothing has any.
     """
 
     campaign: Campaign
@@ -59,6 +61,7 @@ class Metric:
     columns: Array
     nuisances: tuple[Tolerance, ...]
     blur: float | None = None
+    courses: Courses | None = None
 
     @cached_property
     def basis(self) -> Array:
@@ -95,7 +98,18 @@ class Metric:
         error, share = self._error
         along = np.bincount(self.campaign.channel_of, error * scaled, len(share))
         whole = scaled - (share * along)[self.campaign.channel_of] * error
+        whole = whole if self.courses is None else self.courses.without(whole)
         return whole if self.blur is None else self.campaign.blurred(whole, self.blur)
+
+    def whitened(self, rows: slice, columns: Array) -> Array:
+        """Columns (n, k) of a recording's entries, whitened but for courses and blur."""
+        (error, share), kind = self._error, columns.dtype
+        scaled = columns * self.weight[rows, None].astype(kind)
+        for number in np.unique(self.campaign.channel_of[rows]):
+            part = self.campaign.stretch(number)
+            own, off = slice(part.start - rows.start, part.stop - rows.start), error[part].astype(kind)
+            scaled[own] -= np.outer(off, share[number].astype(kind) * (off @ scaled[own]))
+        return scaled
 
     def estimate(self, white: Array) -> Array:
         """Nuisances that whitened training entries ask for, in units of their prior deviation, within +-LIMIT, (m,)."""
@@ -149,10 +163,21 @@ def blurred(metric: Metric) -> Metric:
 def beside(metric: Metric, effects: Hypothesis) -> Metric:
     """The metric without nuisances that effects leave nothing of."""
     nuisances = tuple(t.beside(effects) for t in metric.nuisances)
-    if nuisances == metric.nuisances:
+    if nuisances != metric.nuisances:
+        kept = [bool(t.hypothesis) for t in nuisances]
+        metric = replace(metric, columns=metric.columns * kept, nuisances=nuisances)
+    return with_courses(metric, effects)
+
+
+def with_courses(metric: Metric, effects: Hypothesis, training_only: bool = False) -> Metric:
+    """The metric that does not count what courses of effects explain; those that it knows already stay."""
+    if any(effect.pulse(0.0) for effect in effects) == (metric.courses is not None):
         return metric
-    kept = [bool(t.hypothesis) for t in nuisances]
-    return replace(metric, columns=metric.columns * kept, nuisances=nuisances)
+    plain = replace(metric, blur=None, courses=None)
+    residual = plain.clean(plain.residual(*plain.predict([effects], training_only)))
+    count = metric.campaign.training if training_only else len(metric.campaign.recordings)
+    found = courses_of(metric.campaign, effects, plain.whitened, residual, range(count))
+    return replace(metric, courses=found)
 
 
 def anchored(metric: Metric, effects: Hypothesis, estimate: Array, training_only: bool = False) -> Metric:
@@ -178,7 +203,7 @@ def around(metric: Metric, effects: Hypothesis, estimate: Array) -> Metric:
     found = iter([(prediction - base) * t.deviation for prediction, t in zip(shifted, moving)])
     columns = [column if t.still else next(found) for column, t in zip(kept.columns.T, nuisances)]
     about = (effects, kept.individual, nuisances)
-    return _weigh(campaign, about, campaign.subject.fidelity.middle, columns, estimate)
+    return with_courses(_weigh(campaign, about, campaign.subject.fidelity.middle, columns, estimate), effects)
 
 
 def of_size(nuisances: Sequence[Tolerance], estimate: Array) -> Hypothesis:

@@ -16,7 +16,7 @@ from boom_mj.effects import Effect
 from boom_mj.effects.effect import Location
 from boom_mj.gap.candidate import Candidate
 from boom_mj.gap.fit import PRIOR
-from boom_mj.gap.metric import Metric
+from boom_mj.gap.metric import Metric, coarsely, with_courses
 
 Array = np.ndarray
 WIDEST = 10.0  # prior deviation of a probe's weight
@@ -60,7 +60,7 @@ class Signatures:
         lines: Sequence[float],
         given: tuple[Effect, ...] = (),
     ):
-        self.metric = metric
+        self.metric, self.given = metric, given
         taken = {cause for effect in given for cause in _causes(type(effect), effect.location)}
         free = [(kind, place) for kind, place in kinds if not taken & _causes(kind, place)]
         self.rows = [(kind, place, group) for kind, place in free for group in kind.probes(place, lines) if group]
@@ -101,6 +101,7 @@ class Signatures:
             values = kind.blend(group, weights)
             candidate = Candidate((kind(place, **values),))
             share = float(slopes[part] @ weights / whole) if _acts(kind, values) else 0.0
+            share = max(share, self._of_course(candidate, residual))
             found.setdefault(candidate.places, []).append(Screened(candidate, share))
         least = ALIKE * max((s.share for alike in found.values() for s in alike), default=0.0)
         ranked = []
@@ -112,6 +113,15 @@ class Signatures:
                     starts.append(other)
             ranked.append(replace(best, others=tuple(starts[1:])))
         return sorted(ranked, key=lambda s: -s.share)
+
+    def _of_course(self, candidate: Candidate, residual: Array) -> float:
+        """The share of a whitened residual that a course in time of a candidate would explain, if it has one."""
+        metric, train = coarsely(self.metric), self.metric.campaign.train
+        own = with_courses(metric, (*self.given, *candidate.effects), training_only=True)
+        if own.courses is None or metric.courses is not None:
+            return 0.0
+        left = metric.clean(residual)
+        return float(1 - np.sum(own.courses.without(left)[train] ** 2) / np.sum(left[train] ** 2))
 
 
 def _causes(kind: type[Effect], place: Location) -> set[tuple]:

@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from boom_mj.effects import Effect, effect_library, parse_effect
+from boom_mj.effects import Effect, LoadEffect, effect_library, parse_effect
+from boom_mj.effects.effect import KNOT
 from boom_mj.errors import EffectError
 from boom_mj.machine import load_machine
 from boom_mj.mjcf import build
@@ -101,6 +102,18 @@ def test_what_pulsations_blend_into_pushes_as_they_do_together() -> None:
         together = sum(w * force({"harmonic_ratio": 0.0, **probe}) for w, probe in zip(weights, group))
         assert force(kind.blend(group, weights)) == pytest.approx(together, abs=1e-9)
     assert {probe["frequency"] for probe in with_harmonic} == {line / 2, line}
+
+
+def test_pulses_of_gusts_add_up_to_a_stronger_wind() -> None:
+    """Hats a knot apart sum to one, and each has the pressure of the size worth finding."""
+    time, joints = np.linspace(1, 2, 40), np.tile([0.1, 1.0, -0.5, 0.2, 0.0], (40, 1))
+    wind, stronger = (effect_library()["wind"]({}, mean_speed=speed, direction=0.4) for speed in (6.0, np.hypot(6, 5)))
+    assert isinstance(wind, LoadEffect) and isinstance(stronger, LoadEffect)
+    mean = wind.push(BOOM, time, joints)
+    pulses = [wind.pulse(at).push(BOOM, time, joints) for at in KNOT * np.arange(round(3 / KNOT))]
+    for site, force in stronger.push(BOOM, time, joints).items():
+        assert mean[site] + sum(pulse[site] - mean[site] for pulse in pulses) == pytest.approx(force)
+    assert wind.course(2 * 6.0**2 * 0.15 / 5.0**2) == {"gust_strength": pytest.approx(0.15)}
 
 
 def test_text_becomes_an_effect() -> None:

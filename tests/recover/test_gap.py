@@ -60,6 +60,17 @@ def test_a_payload_comes_back() -> None:
     assert corrected.effect[0].model_extra["joint2"] == pytest.approx(-0.004, abs=3e-4)
 
 
+def test_gusts_of_a_wind_are_told() -> None:
+    """The mean bends the boom as zero offsets do; the gusts are what is seen, and each recording has its own."""
+    answer = document(diagnosis("wind:mean_speed=8,direction=1.7,gust_strength=0.18"), (*TRAIN, *HELD_OUT))
+    assert answer["verdict"] == "explained", answer["sentence"]
+    (effect,) = answer["effects"]
+    assert effect["id"] == "wind"
+    for name, true in {"mean_speed": 8, "direction": 1.7, "gust_strength": 0.18}.items():
+        assert effect["parameters"][name]["low"] < true < effect["parameters"][name]["high"], name
+    assert answer["gap"]["closure"] > 0.9
+
+
 def test_friction_left_out_never_comes_back_as_damping() -> None:
     """The textbook case: a fit of damping takes up dry friction without a word."""
     planted = "structural_hysteresis:joint=2,stiffness=3e6,slip_torque=6e3"

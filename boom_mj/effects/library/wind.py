@@ -1,36 +1,55 @@
 """Wind on the links."""
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 
 import numpy as np
 from scipy.signal import lfilter
 
-from boom_mj.effects.effect import Array, LoadEffect, Location, Parameter, Values
+from boom_mj.effects.effect import KNOT, Array, LoadEffect, Location, Parameter, Values
 from boom_mj.machine import Machine
 
 DENSITY = 1.225  # kg/m^3
 DRAG = 1.3  # of a box section across the wind
 GUST_TIME = 2.0  # s, correlation time of the gusts
+SPEED = 5.0  # m/s, worth finding
 
 
 class Wind(LoadEffect):
     """Drag of a horizontal wind on the sides of the links: 1/2 rho c_d h |v_n| v_n per length, v_n across the link.
 
     Its load is laid on the marker sites of each link. Gusts are a first-order process of relative strength
-    `gust_strength`, drawn from a seed that no log tells; the diagnosis sees their mean only.
+    `gust_strength`, drawn from a seed that no log tells; the diagnosis estimates their course in every recording. Its
+    mean speed is that of the mean pressure.
     """
 
     id = "wind"
     parameters = {
-        "mean_speed": Parameter("m/s", 0.0, 0.0, 40.0, 5.0),
+        "mean_speed": Parameter("m/s", 0.0, 0.0, 40.0, SPEED),
         "direction": Parameter("rad", 0.0, -10.0, 10.0, 0.3),
         "gust_strength": Parameter("1", 0.0, 0.0, 1.0, 0.2),
     }
     confused_with = ("thermal_bending w", "base_tilt", "joint zero offsets")
     told_by = "slew_tour"
+    gust: float | None = None  # s, when a single one peaks; None for all that the seed draws
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        return *super().key, self.gust
+
+    def pulse(self, time: float) -> "Wind":
+        """With one gust, which adds the pressure of SPEED."""
+        single = copy(self)
+        single.gust = time
+        return single
+
+    def course(self, strength: float) -> dict[str, float]:
+        """Pressure goes with the square of the speed."""
+        bound, square = self.parameters["gust_strength"], 2 * self.values["mean_speed"] ** 2
+        return {"gust_strength": float(np.clip(strength * SPEED**2 / max(square, 1e-9), *bound.bounds))}
 
     def push(self, machine: Machine, time: Array, joints: Array) -> Mapping[str, Array]:
-        speed = self.values["mean_speed"] * self._gusts(time)
+        square = self._square(time)
         blow = np.array([np.cos(self.values["direction"]), np.sin(self.values["direction"]), 0.0])
         forces, places = {}, np.array(machine.sensors.markers_x)
         for k, link in enumerate(machine.links):
@@ -39,11 +58,17 @@ class Wind(LoadEffect):
                 [np.cos(joints[:, 0]) * np.cos(pitch), np.sin(joints[:, 0]) * np.cos(pitch), np.sin(pitch)], axis=1
             )
             across = blow - (along @ blow)[:, None] * along  # (n, 3)
-            pressure = 0.5 * DENSITY * DRAG * (speed**2 * np.linalg.norm(across, axis=1))[:, None] * across
+            pressure = 0.5 * DENSITY * DRAG * (square * np.linalg.norm(across, axis=1))[:, None] * across
             area = np.interp(np.linspace(-1, 0, 101), [-1, 0], link.height) * link.length / 101  # (101,)
             for number, share in enumerate(_shares(places, np.linspace(-1, 0, 101), area)):
                 forces[f"marker{len(places) * k + number + 1}"] = share * pressure
         return forces
+
+    def _square(self, time: Array) -> Array:
+        """Of the speed over time, (n,), m^2/s^2."""
+        if self.gust is not None:
+            return self.values["mean_speed"] ** 2 + SPEED**2 * np.maximum(1 - np.abs(time - self.gust) / KNOT, 0)
+        return (self.values["mean_speed"] * self._gusts(time)) ** 2
 
     def _gusts(self, time: Array) -> Array:
         if self.values["gust_strength"] == 0 or len(time) < 2:
@@ -60,13 +85,14 @@ class Wind(LoadEffect):
     @classmethod
     def probes(cls, location: Location, lines: Sequence[float] = ()) -> list[list[dict[str, float]]]:
         """From in front and from the side."""
-        return [[{"mean_speed": 5.0, "direction": d} for d in (0.0, np.pi / 2)]]
+        return [[{"mean_speed": SPEED, "direction": d} for d in (0.0, np.pi / 2)]]
 
     @classmethod
     def blend(cls, probes: Sequence[Values], weights: Array) -> dict[str, float]:
         """Pressures add up."""
         x, y = weights
-        return {"mean_speed": float(np.clip(5.0 * np.hypot(x, y) ** 0.5, 0, 40)), "direction": float(np.arctan2(y, x))}
+        speed = np.clip(SPEED * np.hypot(x, y) ** 0.5, 0, 40)
+        return {"mean_speed": float(speed), "direction": float(np.arctan2(y, x))}
 
 
 def _shares(places: Array, at: Array, load: Array) -> Array:

@@ -14,7 +14,7 @@ MIX: Mapping[str, float] = {"single": 50, "none": 20, "pair": 12, "withheld": 25
 """Shares of the classes of cases: of 120, every effect is there twice alone and is once withheld."""
 NUISANCE = "joint_zero_offset"
 SMALL, LARGE = 0.5, 2.0  # times a size worth finding
-VISIBLE = 1.0  # as large as the noise itself; what shows less is drawn again
+VISIBLE = 1.0  # as large as the noise itself, learnt from and judged by; what shows less is drawn again
 TRIES = 40
 # times the library's size worth finding, where that hardly shows
 SIZES: Mapping[tuple[str, str], float] = {

@@ -173,7 +173,9 @@ def _drawn(case: _Case, rng: np.random.Generator) -> tuple[dict[str, Any], dict[
     machine, names = parse_machine(case.machine), (*case.suite.train, *case.suite.holdout)
 
     def visibility(effects: Sequence[Effect]) -> float:
-        return _eye(case.machine, names).visibility(effects) if effects else 0.0
+        """In what is learnt from or in what is judged by, whichever shows less."""
+        parts = case.suite.train, case.suite.holdout
+        return min(_eye(case.machine, part).visibility(effects) for part in parts) if effects else 0.0
 
     own, drawn = nuisances(machine, rng), [draw(name, rng, visibility) for name in case.order.ids]
     effects = [effect for effect, _ in drawn]

@@ -1,0 +1,153 @@
+"""Courses in time that no log tells, such as the gusts of a wind: every recording tells its own by all of its channels.
+
+With L the whitened responses to pulses KNOT apart and Q the covariance of a first-order process, what is left when the
+rest is right has the covariance 1 + s^2 L Q L^T. Its strength s is the likeliest in training, and whitening by it takes
+out of a residual what such a course explains. Few pulses are simulated: in between boom and pose hardly change, and a
+response is that of the latest pulse, later.
+"""
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cholesky, eigh
+
+from boom_mj.effects import Effect
+from boom_mj.effects.effect import KNOT
+from boom_mj.gap.campaign import Campaign
+from boom_mj.gap.subject import Hypothesis
+
+Array = np.ndarray
+STRIDE = 0.1  # rad, that a joint moves between pulses that are simulated
+TIME = 2.0  # s, correlation time of a course
+LEAST = 1e-2  # variance of a mode at strength 1 that is worth keeping
+STRENGTHS = np.logspace(-3, 1, 401)
+LIKELY = 1.92  # fall of the logarithm of the likelihood at the ends of a 95 % interval
+
+
+@dataclass(frozen=True)
+class Part:
+    """What a course does in one recording.
+
+    Attributes:
+        rows: its entries of the long vector.
+        responses: L, (n, k).
+        modes: L times this is orthonormal, (k, m).
+        power: variance of each mode at strength 1, (m,).
+    """
+
+    rows: slice
+    responses: Array
+    modes: Array
+    power: Array
+
+    def felt(self, white: Array) -> Array:
+        """What each mode has of a whitened vector (N,), (m,)."""
+        return self.modes.T @ (self.responses.T @ white[self.rows].astype(self.responses.dtype))
+
+    def does(self, modes: Array) -> Array:
+        """What modes of given sizes (m,) do, (n,)."""
+        return self.responses @ (self.modes @ modes).astype(self.responses.dtype)
+
+
+@dataclass(frozen=True)
+class Courses:
+    """What courses do in all recordings, and how strong they are, in pulses, with a 95 % interval."""
+
+    parts: tuple[Part, ...]
+    strength: float
+    reach: tuple[float, float]
+
+    def without(self, white: Array) -> Array:
+        """(1 + s^2 L Q L^T)^(-1/2) times a whitened vector, (N,)."""
+        out = white.copy()
+        for part in self.parts:
+            share = 1 - 1 / np.sqrt(1 + self.strength**2 * part.power)
+            out[part.rows] -= part.does(share * part.felt(white))
+        return out
+
+
+def courses_of(
+    campaign: Campaign,
+    effects: Hypothesis,
+    white: Callable[[slice, Array], Array],
+    residual: Array,
+    recordings: Sequence[int],
+) -> Courses | None:
+    """Courses of the first effect that has one; None where none has.
+
+    Args:
+        white: whitens columns (n, k) of the entries that a slice names.
+        residual: whitened, from which the strength is learnt, (N,).
+        recordings: those that count.
+    """
+    hidden = next((e for e in effects if e.pulse(0.0)), None)
+    if hidden is None:
+        return None
+    plans = [_Plan.of(campaign, effects, hidden, k) for k in recordings]  # all begin before one is awaited
+    parts = [plan.part(white) for plan in plans]
+    learnt = [part for part in parts if campaign.train[part.rows].any()]
+    power, felt = (np.concatenate(both) for both in zip(*((p.power, p.felt(residual)) for p in learnt)))
+    spread = 1 + STRENGTHS[:, None] ** 2 * power
+    likelihood = 0.5 * np.sum(felt**2 * (1 - 1 / spread) - np.log(spread), axis=1)
+    likely = STRENGTHS[likelihood > likelihood.max() - LIKELY]
+    return Courses(tuple(parts), float(STRENGTHS[np.argmax(likelihood)]), (float(likely[0]), float(likely[-1])))
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """Pulses that are being simulated.
+
+    Attributes:
+        rows: of the recording in the long vector.
+        lengths: of its channels.
+        knots: times of all pulses, s.
+        chosen: numbers of those that are simulated.
+        awaited: the simulation without a pulse and those with one.
+    """
+
+    campaign: Campaign
+    rows: slice
+    lengths: tuple[int, ...]
+    knots: Array
+    chosen: Array
+    awaited: tuple[Future[Array], ...]
+
+    @classmethod
+    def of(cls, campaign: Campaign, effects: Hypothesis, hidden: Effect, index: int) -> "_Plan":
+        knots = np.arange(KNOT, campaign.duration(index), KNOT)
+        motion, chosen = campaign.subject.motion(campaign.recordings[index], knots), [0]
+        for k, pose in enumerate(motion):
+            if np.max(np.abs(pose - motion[chosen[-1]])) > STRIDE:
+                chosen.append(k)
+        rest, level = tuple(e for e in effects if e is not hidden), campaign.subject.fidelity.coarse
+        pulsed = [(*rest, pulse) for k in chosen if (pulse := hidden.pulse(knots[k]))]
+        awaited = tuple(campaign.begin(hypothesis, level, index) for hypothesis in (effects, *pulsed))
+        own = [campaign.stretch(k) for k, c in enumerate(campaign.channels) if c.recording == index]
+        lengths = tuple(s.stop - s.start for s in own)
+        return cls(campaign, slice(own[0].start, own[-1].stop), lengths, knots, np.array(chosen), awaited)
+
+    def part(self, white: Callable[[slice, Array], Array]) -> Part:
+        """Responses to all pulses."""
+        without, *found = (future.result() for future in self.awaited)
+        latest = np.searchsorted(self.chosen, np.arange(len(self.knots)), "right") - 1
+        late = np.round((self.knots - self.knots[self.chosen[latest]]) / self.campaign.subject.block).astype(int)
+        responses, begin = np.zeros((len(without), len(self.knots)), np.float32), 0
+        for length in self.lengths:
+            own = slice(begin, begin + length)
+            simulated = np.stack([_filled((pulsed - without)[own]) for pulsed in found])
+            before = np.arange(length)[:, None] - late
+            responses[own] = np.where(before >= 0, simulated[latest, before], 0.0)
+            begin += length
+        responses = white(self.rows, responses)
+        root = cholesky(np.exp(-np.abs(self.knots[:, None] - self.knots) / TIME), lower=True)
+        power, turn = eigh(root.T @ (responses.T @ responses) @ root)
+        kept = power > LEAST
+        return Part(self.rows, responses, root @ turn[:, kept] / np.sqrt(power[kept]), power[kept])
+
+
+def _filled(values: Array) -> Array:
+    """Without the holes of what is hidden."""
+    seen, at = np.isfinite(values), np.arange(len(values))
+    return np.interp(at, at[seen], values[seen]) if seen.any() else np.zeros(len(values))
