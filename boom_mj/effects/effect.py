@@ -135,6 +135,11 @@ class Effect(ABC):
         return {}
 
     @property
+    def strongest(self) -> float:
+        """Of the courses that its values allow, in pulses."""
+        return 0.0
+
+    @property
     def cause(self) -> tuple[Any, ...]:
         """What and where, without sizes: equal for equal causes."""
         return self.id, tuple(sorted(self.location.items()))

@@ -8,7 +8,7 @@ response is that of the latest pulse, later.
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import cholesky, eigh
@@ -66,6 +66,12 @@ class Courses:
             share = 1 - 1 / np.sqrt(1 + self.strength**2 * part.power)
             out[part.rows] -= part.does(share * part.felt(white))
         return out
+
+    def at_most(self, strength: float) -> "Courses":
+        """The same, if they are stronger no stronger than this."""
+        if strength >= self.strength:
+            return self
+        return replace(self, strength=strength, reach=(min(self.reach[0], strength), strength))
 
 
 def courses_of(

@@ -10,7 +10,7 @@ import numpy as np
 
 from boom_mj.calibration.intervals import robust_variance
 from boom_mj.gap.fit import PRIOR, Fit
-from boom_mj.gap.metric import Metric
+from boom_mj.gap.metric import Metric, allowed
 
 Array = np.ndarray
 DRAWS = 400
@@ -50,6 +50,7 @@ def gap(metric: Metric, residual: Array, rows: Array) -> float:
 def judge(metric: Metric, found: Fit) -> Judged:
     """Predict what was held out with what was learnt in training."""
     campaign = metric.campaign
+    metric = allowed(metric, found.effects)
     (prediction,) = metric.predict([found.effects])
     whole = replace(found, residual=metric.clean(metric.residual(prediction)))
     held_out = gap(metric, whole.residual, campaign.held_out)

@@ -177,7 +177,15 @@ def with_courses(metric: Metric, effects: Hypothesis, training_only: bool = Fals
     residual = plain.clean(plain.residual(*plain.predict([effects], training_only)))
     count = metric.campaign.training if training_only else len(metric.campaign.recordings)
     found = courses_of(metric.campaign, effects, plain.whitened, residual, range(count))
-    return replace(metric, courses=found)
+    return allowed(replace(metric, courses=found), effects)
+
+
+def allowed(metric: Metric, effects: Hypothesis) -> Metric:
+    """The metric with courses no stronger than effects allow: without a wind there are no gusts."""
+    if metric.courses is None:
+        return metric
+    most = max(effect.strongest for effect in effects)
+    return replace(metric, courses=metric.courses.at_most(most))
 
 
 def anchored(metric: Metric, effects: Hypothesis, estimate: Array, training_only: bool = False) -> Metric:

@@ -13,6 +13,7 @@ DENSITY = 1.225  # kg/m^3
 DRAG = 1.3  # of a box section across the wind
 GUST_TIME = 2.0  # s, correlation time of the gusts
 SPEED = 5.0  # m/s, worth finding
+MOST = 1.0  # times the mean speed, of gusts
 
 
 class Wind(LoadEffect):
@@ -27,7 +28,7 @@ class Wind(LoadEffect):
     parameters = {
         "mean_speed": Parameter("m/s", 0.0, 0.0, 40.0, SPEED),
         "direction": Parameter("rad", 0.0, -10.0, 10.0, 0.3),
-        "gust_strength": Parameter("1", 0.0, 0.0, 1.0, 0.2),
+        "gust_strength": Parameter("1", 0.0, 0.0, MOST, 0.2),
     }
     confused_with = ("thermal_bending w", "base_tilt", "joint zero offsets")
     told_by = "slew_tour"
@@ -45,8 +46,11 @@ class Wind(LoadEffect):
 
     def course(self, strength: float) -> dict[str, float]:
         """Pressure goes with the square of the speed."""
-        bound, square = self.parameters["gust_strength"], 2 * self.values["mean_speed"] ** 2
-        return {"gust_strength": float(np.clip(strength * SPEED**2 / max(square, 1e-9), *bound.bounds))}
+        return {"gust_strength": float(min(strength / max(self.strongest, 1e-9), 1)) * MOST}
+
+    @property
+    def strongest(self) -> float:
+        return MOST * 2 * (self.values["mean_speed"] / SPEED) ** 2
 
     def push(self, machine: Machine, time: Array, joints: Array) -> Mapping[str, Array]:
         square = self._square(time)

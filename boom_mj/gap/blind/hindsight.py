@@ -47,7 +47,7 @@ def with_hindsight(
 def left_by_truth(item: tuple[Path, Sequence[Mapping[str, Any]]], machine: str) -> float:
     """Held-out gap of a case that the effects sealed for it leave, with nuisances fitted and their own model error.
 
-    Of the effects as far as a diagnosis could tell them: the gusts of a wind are nobody's to find.
+    Of the effects as far as a diagnosis simulates them: the gusts of a wind are estimated, in every recording.
     """
     case, sealed = item
     campaign = campaign_of(case, machine)
