@@ -37,7 +37,7 @@ MASS, DAMPING = 0.003, 0.05  # of a link, of all of them
 CHANGE = 0.002  # of those, for derivatives: one of 0.01 turns a vibration by half a radian until a recording ends
 GAIN = 0.002  # of a pressure sensor
 VISCOUS = 0.5  # of the machine file's, that may be missing or too much
-ZERO_OFFSET, OFFSET_STEP = np.radians(0.6), 0.005  # rad: prior of a joint's zero offset, step of its secant
+ZERO_OFFSET, OFFSET_STEP = np.radians(0.6), 0.0005  # rad: prior of a joint's zero offset, step of its secant
 NUISANCE = "joint_zero_offset"  # never a cause
 MOVING = 1e-3  # rad/s
 SHORT = 1.0  # s, of a start and around a reversal
@@ -49,8 +49,7 @@ LEARNT = 0.6  # of a recording, where none is held out
 def tolerances() -> tuple[Tolerance, ...]:
     """What differs between healthy booms, all of it small."""
     found = [
-        Tolerance((make_effect(NUISANCE, {f"joint{k}": OFFSET_STEP}),), ZERO_OFFSET / OFFSET_STEP, still=True)
-        for k in range(1, 6)
+        Tolerance((make_effect(NUISANCE, {f"joint{k}": OFFSET_STEP}),), ZERO_OFFSET / OFFSET_STEP) for k in range(1, 6)
     ]
     for number in (2, 3):
         slippery = make_effect("viscous_friction", {"joint": number, "factor": 0.0})
