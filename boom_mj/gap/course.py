@@ -23,6 +23,7 @@ STRIDE = 0.1  # rad, that a joint moves between pulses that are simulated
 TIME = 2.0  # s, correlation time of a course
 LEAST = 1e-2  # variance of a mode at strength 1 that is worth keeping
 STRENGTHS = np.logspace(-3, 1, 401)
+HEARD = 0.1  # of what windows tell of a course on average, below which one tells nothing
 LIKELY = 1.92  # fall of the logarithm of the likelihood at the ends of a 95 % interval
 
 
@@ -34,12 +35,14 @@ class Part:
         rows: its entries of the long vector.
         responses: L, (n, k).
         modes: L times this is orthonormal, (k, m).
+        turn: innovations of the process that make up each mode, orthonormal, (k, m).
         power: variance of each mode at strength 1, (m,).
     """
 
     rows: slice
     responses: Array
     modes: Array
+    turn: Array
     power: Array
 
     def felt(self, white: Array) -> Array:
@@ -53,11 +56,17 @@ class Part:
 
 @dataclass(frozen=True)
 class Courses:
-    """What courses do in all recordings, and how strong they are, in pulses, with a 95 % interval."""
+    """What courses do in all recordings.
+
+    Attributes:
+        strength, reach: standard deviation in pulses, and its 95 % interval.
+        steadiness: median of the course's power in windows of time over its mean; about 1 for what never rests.
+    """
 
     parts: tuple[Part, ...]
     strength: float
     reach: tuple[float, float]
+    steadiness: float
 
     def without(self, white: Array) -> Array:
         """(1 + s^2 L Q L^T)^(-1/2) times a whitened vector, (N,)."""
@@ -97,8 +106,23 @@ def courses_of(
     power, felt = (np.concatenate(both) for both in zip(*((p.power, p.felt(residual)) for p in learnt)))
     spread = 1 + STRENGTHS[:, None] ** 2 * power
     likelihood = 0.5 * np.sum(felt**2 * (1 - 1 / spread) - np.log(spread), axis=1)
-    likely = STRENGTHS[likelihood > likelihood.max() - LIKELY]
-    return Courses(tuple(parts), float(STRENGTHS[np.argmax(likelihood)]), (float(likely[0]), float(likely[-1])))
+    likely, strength = STRENGTHS[likelihood > likelihood.max() - LIKELY], float(STRENGTHS[np.argmax(likelihood)])
+    steadiness = _steadiness(learnt, strength, residual, round(campaign.subject.window / KNOT))
+    return Courses(tuple(parts), strength, (float(likely[0]), float(likely[-1])), steadiness)
+
+
+def _steadiness(parts: Sequence[Part], strength: float, residual: Array, window: int) -> float:
+    """See `Courses`; power of the likeliest innovations over what is expected of them, by windows of so many knots."""
+    found, expected = [], []
+    for part in parts:
+        gain = strength**2 * part.power / (1 + strength**2 * part.power)
+        innovations = part.turn @ (gain / (strength * np.sqrt(part.power)) * part.felt(residual))
+        begins = np.arange(0, len(innovations), window)
+        found.append(np.add.reduceat(innovations**2, begins))
+        expected.append(np.add.reduceat(part.turn**2 @ gain, begins))
+    power, told = np.concatenate(found), np.concatenate(expected)
+    heard = told > HEARD * told.mean()
+    return float(np.median(power[heard] / told[heard]) / (power.sum() / told.sum()))
 
 
 @dataclass(frozen=True)
@@ -150,7 +174,8 @@ class _Plan:
         root = cholesky(np.exp(-np.abs(self.knots[:, None] - self.knots) / TIME), lower=True)
         power, turn = eigh(root.T @ (responses.T @ responses) @ root)
         kept = power > LEAST
-        return Part(self.rows, responses, root @ turn[:, kept] / np.sqrt(power[kept]), power[kept])
+        power, turn = power[kept], turn[:, kept]
+        return Part(self.rows, responses, root @ turn / np.sqrt(power), turn, power)
 
 
 def _filled(values: Array) -> Array:

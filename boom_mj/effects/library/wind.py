@@ -13,7 +13,7 @@ DENSITY = 1.225  # kg/m^3
 DRAG = 1.3  # of a box section across the wind
 GUST_TIME = 2.0  # s, correlation time of the gusts
 SPEED = 5.0  # m/s, worth finding
-MOST = 1.0  # times the mean speed, of gusts
+MOST = 0.5  # gust strength near the ground that a diagnosis believes
 
 
 class Wind(LoadEffect):
@@ -28,7 +28,7 @@ class Wind(LoadEffect):
     parameters = {
         "mean_speed": Parameter("m/s", 0.0, 0.0, 40.0, SPEED),
         "direction": Parameter("rad", 0.0, -10.0, 10.0, 0.3),
-        "gust_strength": Parameter("1", 0.0, 0.0, MOST, 0.2),
+        "gust_strength": Parameter("1", 0.0, 0.0, 1.0, 0.2),
     }
     confused_with = ("thermal_bending w", "base_tilt", "joint zero offsets")
     told_by = "slew_tour"
