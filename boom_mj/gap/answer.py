@@ -105,7 +105,7 @@ def described(found: Diagnosis) -> list[dict[str, Any]]:
 def _of_course(best: Judged, effect: Effect, parameters: Mapping[str, Any]) -> dict[str, Any]:
     """What the course in time of an effect says of its parameters, if it has one."""
     courses = best.metric.courses
-    if courses is None:
+    if courses is None or not courses.parts:
         return {}
     ends = [{**effect.values, **{name: told[end] for name, told in parameters.items()}} for end in ("low", "high")]
     found = [type(effect)(effect.location, **values).course(s) for values in ends for s in courses.reach]

@@ -8,7 +8,7 @@ response is that of the latest pulse, later.
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import cholesky, eigh
@@ -23,6 +23,7 @@ STRIDE = 0.1  # rad, that a joint moves between pulses that are simulated
 TIME = 2.0  # s, correlation time of a course
 LEAST = 1e-2  # variance of a mode at strength 1 that is worth keeping
 STRENGTHS = np.logspace(-3, 1, 401)
+STEADY = 0.6  # least steadiness
 HEARD = 0.1  # of what windows tell of a course on average, below which one tells nothing
 LIKELY = 1.92  # fall of the logarithm of the likelihood at the ends of a 95 % interval
 
@@ -76,11 +77,8 @@ class Courses:
             out[part.rows] -= part.does(share * part.felt(white))
         return out
 
-    def at_most(self, strength: float) -> "Courses":
-        """The same, if they are stronger no stronger than this."""
-        if strength >= self.strength:
-            return self
-        return replace(self, strength=strength, reach=(min(self.reach[0], strength), strength))
+
+NONE = Courses((), 0.0, (0.0, 0.0), 0.0)
 
 
 def courses_of(
@@ -90,7 +88,9 @@ def courses_of(
     residual: Array,
     recordings: Sequence[int],
 ) -> Courses | None:
-    """Courses of the first effect that has one; None where none has.
+    """Courses of the first effect that has one, None where none has; NONE if what they would be is not what they are.
+
+    Whatever vibrates could be pushed so. A course that rests, or is stronger than its effect allows, is none.
 
     Args:
         white: whitens columns (n, k) of the entries that a slice names.
@@ -108,6 +108,8 @@ def courses_of(
     likelihood = 0.5 * np.sum(felt**2 * (1 - 1 / spread) - np.log(spread), axis=1)
     likely, strength = STRENGTHS[likelihood > likelihood.max() - LIKELY], float(STRENGTHS[np.argmax(likelihood)])
     steadiness = _steadiness(learnt, strength, residual, round(campaign.subject.window / KNOT))
+    if steadiness < STEADY or strength > hidden.strongest:
+        return NONE
     return Courses(tuple(parts), strength, (float(likely[0]), float(likely[-1])), steadiness)
 
 
@@ -122,7 +124,7 @@ def _steadiness(parts: Sequence[Part], strength: float, residual: Array, window:
         expected.append(np.add.reduceat(part.turn**2 @ gain, begins))
     power, told = np.concatenate(found), np.concatenate(expected)
     heard = told > HEARD * told.mean()
-    return float(np.median(power[heard] / told[heard]) / (power.sum() / told.sum()))
+    return float(np.median(power[heard] / told[heard]) * told.sum() / max(power.sum(), 1e-12))
 
 
 @dataclass(frozen=True)

@@ -98,14 +98,15 @@ def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], 
             if not solved(gaps, contest[0]):
                 contest = _combine(contest, size, gaps, without, tell)
         contest = _simpler(contest, gaps)
-    best = choose(contest, before)
+    best = choose(contest, gaps)
     if best and before <= QUIET and not _sure(metric, nominal, best):
         best = None
     share = closure(metric, nominal, best.fit.residual if best else nominal, campaign.held_out)
     verdict = "consistent" if before <= QUIET else "unexplained"
     ties: tuple[Judged, ...] = ()
     if best and solved(gaps, best):
-        ties = tuple(j for j in contest if j is not best and _ties(metric, best, j, before))
+        rivals = (j for j in contest if j is not best and solved(gaps, j))
+        ties = tuple(j for j in rivals if _ties(metric, best, j, before))
         verdict = "ambiguous" if ties else "explained"
     following = None
     if best and ties:
@@ -203,9 +204,9 @@ def _simpler(contest: list[Judged], nominal: Gaps) -> list[Judged]:
                 part = _polish(part, nominal)
             if part.held_out < HELPED * before:
                 contest = _best_of_each([*contest, part])
-                if choose(contest, nominal[1]) is part:
+                if choose(contest, nominal) is part:
                     break
-        chosen = choose(contest, nominal[1])
+        chosen = choose(contest, nominal)
         leader = chosen if chosen and len(chosen.fit.coordinates) < len(leader.fit.coordinates) else None
     return contest
 
@@ -255,10 +256,12 @@ def _polish(judged: Judged, nominal: Gaps) -> Judged:
     return judged
 
 
-def choose(contest: Sequence[Judged], before: float) -> Judged | None:
-    """The best single cause, with as few knobs as do, or more of them where each is worth it."""
+def choose(contest: Sequence[Judged], nominal: Gaps) -> Judged | None:
+    """The best single cause, of those that suffice if any do, with few knobs, or more causes where each is worth it."""
+    before = nominal[1]
     useful = [j for j in contest if before**2 - j.held_out**2 > SMALLEST]
     singles = [j for j in useful if len(j.fit.effects) == 1]
+    singles = [j for j in singles if solved(nominal, j)] or singles
     best = min(singles, key=_price, default=None)
     best = _simplest(best, singles, before)
     for size in range(2, 1 + max((len(j.fit.effects) for j in useful), default=0)):

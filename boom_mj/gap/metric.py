@@ -23,7 +23,7 @@ from scipy.optimize import lsq_linear
 
 from boom_mj.effects import Effect
 from boom_mj.gap.campaign import Campaign
-from boom_mj.gap.course import Courses, courses_of
+from boom_mj.gap.course import NONE, Courses, courses_of
 from boom_mj.gap.subject import Hypothesis, Tolerance
 
 Array = np.ndarray
@@ -177,15 +177,14 @@ def with_courses(metric: Metric, effects: Hypothesis, training_only: bool = Fals
     residual = plain.clean(plain.residual(*plain.predict([effects], training_only)))
     count = metric.campaign.training if training_only else len(metric.campaign.recordings)
     found = courses_of(metric.campaign, effects, plain.whitened, residual, range(count))
-    return allowed(replace(metric, courses=found), effects)
+    return replace(metric, courses=found)
 
 
 def allowed(metric: Metric, effects: Hypothesis) -> Metric:
-    """The metric with courses no stronger than effects allow: without a wind there are no gusts."""
-    if metric.courses is None:
+    """The metric without courses that are stronger than effects allow: without a wind there are no gusts."""
+    if metric.courses is None or metric.courses.strength <= max(effect.strongest for effect in effects):
         return metric
-    most = max(effect.strongest for effect in effects)
-    return replace(metric, courses=metric.courses.at_most(most))
+    return replace(metric, courses=NONE)
 
 
 def anchored(metric: Metric, effects: Hypothesis, estimate: Array, training_only: bool = False) -> Metric:

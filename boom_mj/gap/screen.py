@@ -22,7 +22,7 @@ Array = np.ndarray
 WIDEST = 10.0  # prior deviation of a probe's weight
 LINES = 3  # spectral lines offered to periodic effects
 ALIKE = 0.9  # of the largest share of all, from which other probes of a candidate are starts too,
-LEFT, STEADY = 0.25, 0.6  # of a gap, by a course, and how steady it must be
+LEFT = 0.25  # of a gap, by a course
 APART = 0.5  # if they differ by more of a size worth finding
 
 
@@ -118,7 +118,7 @@ class Signatures:
     def _of_course(self, candidate: Candidate, residual: Array) -> float:
         """The share of a whitened residual that a course in time of a candidate would explain, if it has one.
 
-        Whatever vibrates can be pushed so; only what never rests and leaves little is taken for a course.
+        Only one that leaves little counts.
         """
         metric, train = coarsely(self.metric), self.metric.campaign.train
         own = with_courses(metric, (*self.given, *candidate.effects), training_only=True)
@@ -126,8 +126,7 @@ class Signatures:
             return 0.0
         left = metric.clean(residual)
         before, after = (float(np.mean(white[train] ** 2)) for white in (left, own.courses.without(left)))
-        steady = own.courses.steadiness > STEADY
-        return 1 - after / before if steady and after**0.5 - 1 < LEFT * (before**0.5 - 1) else 0.0
+        return 1 - after / before if after**0.5 - 1 < LEFT * (before**0.5 - 1) else 0.0
 
 
 def _causes(kind: type[Effect], place: Location) -> set[tuple]:
