@@ -131,7 +131,7 @@ class Effect(ABC):
         return None
 
     def course(self, strength: float) -> dict[str, float]:
-        """What a course of this strength (standard deviation in pulses) says of its parameters."""
+        """What its parameters are if a course of this strength (standard deviation in pulses) comes on top."""
         return {}
 
     @property

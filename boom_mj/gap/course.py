@@ -108,7 +108,7 @@ def courses_of(
     likelihood = 0.5 * np.sum(felt**2 * (1 - 1 / spread) - np.log(spread), axis=1)
     likely, strength = STRENGTHS[likelihood > likelihood.max() - LIKELY], float(STRENGTHS[np.argmax(likelihood)])
     steadiness = _steadiness(learnt, strength, residual, round(campaign.subject.window / KNOT))
-    if steadiness < STEADY or strength > hidden.strongest:
+    if not steadiness >= STEADY or strength > hidden.strongest:
         return NONE
     return Courses(tuple(parts), strength, (float(likely[0]), float(likely[-1])), steadiness)
 

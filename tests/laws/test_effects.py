@@ -113,7 +113,8 @@ def test_pulses_of_gusts_add_up_to_a_stronger_wind() -> None:
     pulses = [wind.pulse(at).push(BOOM, time, joints) for at in KNOT * np.arange(round(3 / KNOT))]
     for site, force in stronger.push(BOOM, time, joints).items():
         assert mean[site] + sum(pulse[site] - mean[site] for pulse in pulses) == pytest.approx(force)
-    assert wind.course(2 * 6.0**2 * 0.15 / 5.0**2) == {"gust_strength": pytest.approx(0.15)}
+    speed = 6.0 / np.hypot(1, 0.15)  # the mean of its square is 36
+    assert wind.course(2 * 6.0**2 * 0.15 / 5.0**2) == pytest.approx({"mean_speed": speed, "gust_strength": 0.15})
 
 
 def test_text_becomes_an_effect() -> None:

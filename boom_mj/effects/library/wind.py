@@ -20,8 +20,7 @@ class Wind(LoadEffect):
     """Drag of a horizontal wind on the sides of the links: 1/2 rho c_d h |v_n| v_n per length, v_n across the link.
 
     Its load is laid on the marker sites of each link. Gusts are a first-order process of relative strength
-    `gust_strength`, drawn from a seed that no log tells; the diagnosis estimates their course in every recording. Its
-    mean speed is that of the mean pressure.
+    `gust_strength`, drawn from a seed that no log tells; the diagnosis estimates their course in every recording.
     """
 
     id = "wind"
@@ -45,8 +44,9 @@ class Wind(LoadEffect):
         return single
 
     def course(self, strength: float) -> dict[str, float]:
-        """Pressure goes with the square of the speed."""
-        return {"gust_strength": float(min(strength / max(self.strongest, 1e-9), 1)) * MOST}
+        """Pressure goes with the square of the speed, and gusts add to its mean."""
+        gusts = MOST * min(strength / max(self.strongest, 1e-9), 1)
+        return {"mean_speed": self.values["mean_speed"] / float(np.hypot(1, gusts)), "gust_strength": gusts}
 
     @property
     def strongest(self) -> float:
