@@ -32,6 +32,7 @@ Array = np.ndarray
 Location = Mapping[str, int | str]
 Values = Mapping[str, float]
 KNOT = 0.1  # s, between the pulses of which a course in time is made
+COURSE_TIME = 2.0  # s, correlation time of a course
 
 
 @dataclass(frozen=True)

@@ -14,13 +14,12 @@ import numpy as np
 from scipy.linalg import cholesky, eigh
 
 from boom_mj.effects import Effect
-from boom_mj.effects.effect import KNOT
+from boom_mj.effects.effect import COURSE_TIME, KNOT
 from boom_mj.gap.campaign import Campaign
 from boom_mj.gap.subject import Hypothesis
 
 Array = np.ndarray
 STRIDE = 0.1  # rad, that a joint moves between pulses that are simulated
-TIME = 2.0  # s, correlation time of a course
 LEAST = 1e-2  # variance of a mode at strength 1 that is worth keeping
 STRENGTHS = np.logspace(-3, 1, 401)
 STEADY = 0.6  # least steadiness
@@ -173,7 +172,7 @@ class _Plan:
             responses[own] = np.where(before >= 0, simulated[latest, before], 0.0)
             begin += length
         responses = white(self.rows, responses)
-        root = cholesky(np.exp(-np.abs(self.knots[:, None] - self.knots) / TIME), lower=True)
+        root = cholesky(np.exp(-np.abs(self.knots[:, None] - self.knots) / COURSE_TIME), lower=True)
         power, turn = eigh(root.T @ (responses.T @ responses) @ root)
         kept = power > LEAST
         power, turn = power[kept], turn[:, kept]

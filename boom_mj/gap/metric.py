@@ -161,7 +161,7 @@ def blurred(metric: Metric) -> Metric:
 
 
 def beside(metric: Metric, effects: Hypothesis) -> Metric:
-    """The metric without nuisances that effects leave nothing of."""
+    """The metric without nuisances that effects leave nothing of, and with the courses that they have."""
     nuisances = tuple(t.beside(effects) for t in metric.nuisances)
     if nuisances != metric.nuisances:
         kept = [bool(t.hypothesis) for t in nuisances]

@@ -22,8 +22,8 @@ Array = np.ndarray
 WIDEST = 10.0  # prior deviation of a probe's weight
 LINES = 3  # spectral lines offered to periodic effects
 ALIKE = 0.9  # of the largest share of all, from which other probes of a candidate are starts too,
-LEFT = 0.25  # of a gap, by a course
 APART = 0.5  # if they differ by more of a size worth finding
+LEFT = 0.25  # of a gap, by a course
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from boom_mj.effects import make_effect
-from boom_mj.effects.effect import KNOT
-from boom_mj.gap.course import NONE, TIME, Courses, courses_of
+from boom_mj.effects.effect import COURSE_TIME, KNOT
+from boom_mj.gap.course import NONE, Courses, courses_of
 from boom_mj.gap.metric import Metric, allowed, beside
 
 WIND, BREEZE = ((make_effect("wind", {"mean_speed": speed, "direction": 1.2}),) for speed in (15.0, 2.0))
@@ -28,7 +28,7 @@ def gusty(metric: Metric) -> tuple[Courses, np.ndarray]:
 
 def prior(count: int) -> np.ndarray:
     knots = KNOT * np.arange(count)
-    return np.exp(-np.abs(knots[:, None] - knots) / TIME)
+    return np.exp(-np.abs(knots[:, None] - knots) / COURSE_TIME)
 
 
 def test_gusts_are_whitened_by_their_covariance(metric: Metric, gusty: tuple[Courses, np.ndarray]) -> None:

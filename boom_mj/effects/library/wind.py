@@ -6,12 +6,11 @@ from copy import copy
 import numpy as np
 from scipy.signal import lfilter
 
-from boom_mj.effects.effect import KNOT, Array, LoadEffect, Location, Parameter, Values
+from boom_mj.effects.effect import COURSE_TIME, KNOT, Array, LoadEffect, Location, Parameter, Values
 from boom_mj.machine import Machine
 
 DENSITY = 1.225  # kg/m^3
 DRAG = 1.3  # of a box section across the wind
-GUST_TIME = 2.0  # s, correlation time of the gusts
 SPEED = 5.0  # m/s, worth finding
 MOST = 0.5  # gust strength near the ground that a diagnosis believes
 
@@ -78,7 +77,7 @@ class Wind(LoadEffect):
         if self.values["gust_strength"] == 0 or len(time) < 2:
             return np.ones_like(time)
         step = time[1] - time[0]
-        decay = np.exp(-step / GUST_TIME)
+        decay = np.exp(-step / COURSE_TIME)
         shocks = np.random.default_rng(len(time)).normal(size=len(time)) * np.sqrt(1 - decay**2)
         return np.maximum(1 + self.values["gust_strength"] * lfilter([1], [1, -decay], shocks), 0)
 
