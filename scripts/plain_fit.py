@@ -36,8 +36,8 @@ def main() -> None:
         found = judge(metric, fit(metric, Candidate(tuple(kind(place) for kind, place in felt))))
     for effect, (number, name, knob) in zip(found.fit.effects, found.fit.candidate.knobs):
         print(f"{effect.id:18} {effect.name:10} {name:10} {found.fit.effects[number].values[name]:10.4g} {knob.unit}")
-    print(f"gap training {gap(metric, nominal, campaign.train):.2f} -> {found.train:.2f}")
-    print(f"gap held out {gap(metric, nominal, campaign.held_out):.2f} -> {found.held_out:.2f}")
+    print(f"gap training {gap(nominal, campaign.train):.2f} -> {found.train:.2f}")
+    print(f"gap held out {gap(nominal, campaign.held_out):.2f} -> {found.held_out:.2f}")
 
 
 def _felt(metric, effect) -> bool:

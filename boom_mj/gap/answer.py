@@ -30,7 +30,7 @@ def document(found: Diagnosis, names: Sequence[str]) -> dict[str, Any]:
     cells = locate(campaign, found.nominal)
     after = best.fit.residual if best else found.nominal
     gaps = {
-        part: {"before": gap(found.metric, found.nominal, rows), "after": gap(found.metric, after, rows), "floor": 1.0}
+        part: {"before": gap(found.nominal, rows), "after": gap(after, rows), "floor": 1.0}
         for part, rows in (("train", campaign.train), ("holdout", campaign.held_out))
     }
     listed = [vars(cell) for cell in cells if cell.share >= SHOWN]
@@ -141,7 +141,7 @@ def rival(found: Diagnosis, other: Judged) -> dict[str, Any]:
 def sentence(found: Diagnosis) -> str:
     """The verdict in words."""
     campaign = found.metric.campaign
-    before = gap(found.metric, found.nominal, campaign.held_out)
+    before = gap(found.nominal, campaign.held_out)
     if found.verdict == "consistent":
         return f"No gap beyond noise and model error: {before:.2f} on what was held out, 1 is the floor."
     where = in_words(locate(campaign, found.nominal))
@@ -217,7 +217,7 @@ def _brief(effects: Sequence[Effect]) -> dict[str, Any]:
 
 
 def _closure(found: Diagnosis, judged: Judged) -> float:
-    before = gap(found.metric, found.nominal, found.metric.campaign.held_out)
+    before = gap(found.nominal, found.metric.campaign.held_out)
     return (before - judged.held_out) / max(before - 1, 1e-9)
 
 

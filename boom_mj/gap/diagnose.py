@@ -86,7 +86,7 @@ def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], 
     metric = make_metric(campaign)
     raw = metric.residual(metric.base)
     nominal = metric.clean(raw)
-    gaps = learnt, before = gap(metric, nominal, campaign.train), gap(metric, nominal, campaign.held_out)
+    gaps = learnt, before = gap(nominal, campaign.train), gap(nominal, campaign.held_out)
     tell(f"nominal gap {learnt:.2f} in training, {before:.2f} held out; screening")
     signatures = Signatures(metric, everywhere(campaign.subject, without), spectral_lines(metric, nominal))
     screened = signatures.rank(raw)

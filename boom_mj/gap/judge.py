@@ -42,7 +42,7 @@ class Judged:
         return self.fit.candidate.label
 
 
-def gap(metric: Metric, residual: Array, rows: Array) -> float:
+def gap(residual: Array, rows: Array) -> float:
     """Root mean square over the given entries; NaN where there are none."""
     return float(np.sqrt(np.mean(residual[rows] ** 2))) if rows.any() else float("nan")
 
@@ -53,8 +53,8 @@ def judge(metric: Metric, found: Fit) -> Judged:
     metric = allowed(metric, found.effects)
     (prediction,) = metric.predict([found.effects])
     whole = replace(found, residual=metric.clean(metric.residual(prediction)))
-    held_out = gap(metric, whole.residual, campaign.held_out)
-    return Judged(whole, metric, gap(metric, whole.residual, campaign.train), held_out, deviations(metric, whole))
+    held_out = gap(whole.residual, campaign.held_out)
+    return Judged(whole, metric, gap(whole.residual, campaign.train), held_out, deviations(metric, whole))
 
 
 def deviations(metric: Metric, found: Fit) -> Array:

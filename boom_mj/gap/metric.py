@@ -15,6 +15,7 @@ that would is held there and leaves B.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
@@ -31,6 +32,7 @@ LIMIT = 2.5  # prior deviations: what goes further is no tolerance but a cause
 LEFT = 0.5  # share of the extrapolated change that may be wrong
 FAILED = 1e3  # deviations
 REACH = 5  # blocks over which the spread is carried, for phase
+MADE = ("basis", "taught", "curvature", "_error")  # of weights, columns, courses, blur and model error
 
 
 @dataclass(frozen=True)
@@ -151,7 +153,7 @@ def make_metric(campaign: Campaign) -> Metric:
 def coarsely(metric: Metric) -> Metric:
     """The metric with changes simulated by the coarse model."""
     level = metric.campaign.subject.fidelity.coarse
-    return metric if metric.level == level else replace(metric, level=level)
+    return metric if metric.level == level else _elsewhere(metric, level=level)
 
 
 def blurred(metric: Metric) -> Metric:
@@ -193,7 +195,14 @@ def anchored(metric: Metric, effects: Hypothesis, estimate: Array, training_only
     individual = of_size(metric.nuisances, estimate)
     level = metric.campaign.subject.fidelity.middle
     (base,) = metric.campaign.predict([(*effects, *individual)], level, training_only)
-    return replace(metric, effects=effects, individual=individual, base=base - metric.columns @ estimate)
+    return _elsewhere(metric, effects=effects, individual=individual, base=base - metric.columns @ estimate)
+
+
+def _elsewhere(metric: Metric, **changes: Any) -> Metric:
+    """The metric with another base or level: what was made of weights and columns is made once."""
+    found = replace(metric, **changes)
+    vars(found).update({name: made for name, made in vars(metric).items() if name in MADE})
+    return found
 
 
 def around(metric: Metric, effects: Hypothesis, estimate: Array) -> Metric:

@@ -165,5 +165,6 @@ def test_pages_tell_all(campaign: tuple[Path, Path, Path]) -> None:
     markdown, html = markdown_page(found, "picture.svg"), html_page(found)
     for page in (markdown, html):
         assert "there is no answer" in page and found.seals[0] in page and "tip_payload" in page
+    assert "| tip_payload | 1 | 1 | 1 | 0.96 | 1 of 1 | 50 |" in markdown
     assert "](picture.svg)" in markdown and "link 2 &lt;&amp;&gt;" in html and "<svg" in html
     assert confusion_svg(found.outcomes).count("fill-opacity") == len(found.outcomes)

@@ -70,7 +70,7 @@ def judged(m: Metric, effects: tuple, size: float) -> Judged:
     candidate, left = Candidate(effects), residual(m, size)
     count = len(candidate.knobs)
     fit = Fit(candidate, candidate.start, effects, left, np.zeros((len(left), count)), 0.0)
-    train, held_out = (gap(m, left, rows) for rows in (m.campaign.train, m.campaign.held_out))
+    train, held_out = (gap(left, rows) for rows in (m.campaign.train, m.campaign.held_out))
     return Judged(fit, m, train, held_out, np.full(count, 0.02))
 
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -31,7 +31,7 @@ from boom_mj.logs import write_mcap
 from boom_mj.machine import parse_machine
 from boom_mj.recording import Recording
 from boom_mj.sensors import record
-from boom_mj.simulation import CATALOGUE, run_experiment
+from boom_mj.simulation import CATALOGUE, Experiment, run_experiment
 from boom_mj.spreading import results
 
 SECRET = 16  # bytes that a seed file must have, or else it can be guessed from its hash
@@ -41,18 +41,23 @@ TRIES = 5
 
 @dataclass(frozen=True)
 class Suite:
-    """Experiments of the catalogue by name."""
+    """Experiments to learn from and to judge by."""
 
-    train: tuple[str, ...]
-    holdout: tuple[str, ...]
+    train: tuple[Experiment, ...]
+    holdout: tuple[Experiment, ...]
+
+    @classmethod
+    def named(cls, train: Sequence[str], holdout: Sequence[str]) -> Self:
+        """Experiments of the catalogue."""
+        return cls(tuple(CATALOGUE[name] for name in train), tuple(CATALOGUE[name] for name in holdout))
 
 
-SUITE = Suite(
+SUITE = Suite.named(
     ("release_bow_vertical", "release_stretched_horizontal", "release_stretched_vertical", "slew_t", "sweep"),
     ("fold_in", "mixed", "release_bow_horizontal"),
 )
 """What a case records: 350 s."""
-SHORT = Suite(("release_bow_vertical", "slew_t"), ("release_bow_horizontal",))
+SHORT = Suite.named(("release_bow_vertical", "slew_t"), ("release_bow_horizontal",))
 """What a short case records: 90 s."""
 
 
@@ -161,16 +166,16 @@ def _make(case: _Case) -> dict[str, Any]:
     else:
         raise InputError(f"no {case.order.kind} case of {', '.join(case.order.ids)} can be simulated")
     folder = Path(case.folder) / case.name
-    for part, names in (("train", case.suite.train), ("holdout", case.suite.holdout)):
+    for part, experiments in (("train", case.suite.train), ("holdout", case.suite.holdout)):
         (folder / part).mkdir(parents=True, exist_ok=True)
-        for name in names:
-            write_mcap(recordings[name], folder / part / f"{name}.mcap")
+        for experiment in experiments:
+            write_mcap(recordings[experiment.name], folder / part / f"{experiment.name}.mcap")
     _write_json(folder / "withhold.json", {"without": [case.order.without]})
     return sealed
 
 
 def _drawn(case: _Case, rng: np.random.Generator) -> tuple[dict[str, Any], dict[str, Recording]]:
-    machine, names = parse_machine(case.machine), (*case.suite.train, *case.suite.holdout)
+    machine = parse_machine(case.machine)
 
     def visibility(effects: Sequence[Effect]) -> float:
         """In what is learnt from or in what is judged by, whichever shows less."""
@@ -183,8 +188,8 @@ def _drawn(case: _Case, rng: np.random.Generator) -> tuple[dict[str, Any], dict[
     own = tuple(n for n in own if (n.id, *n.location.values()) not in named)  # an effect's size is all there is of it
     plant = true_plant(machine, (*own, *effects))
     recordings = {}
-    for name in names:
-        recordings[name] = record(run_experiment(plant, CATALOGUE[name]), CATALOGUE[name], rng)
+    for experiment in (*case.suite.train, *case.suite.holdout):
+        recordings[experiment.name] = record(run_experiment(plant, experiment), experiment, rng)
     sealed = {
         "class": case.order.kind,
         "effects": [{"id": e.id, "location": e.location, "parameters": values} for e, values in drawn],
@@ -195,8 +200,8 @@ def _drawn(case: _Case, rng: np.random.Generator) -> tuple[dict[str, Any], dict[
 
 
 @cache
-def _eye(machine: str, names: tuple[str, ...]) -> Eye:
-    return Eye(parse_machine(machine), [CATALOGUE[name] for name in names])
+def _eye(machine: str, experiments: tuple[Experiment, ...]) -> Eye:
+    return Eye(parse_machine(machine), experiments)
 
 
 def _brief(effect: Effect) -> dict[str, Any]:

@@ -59,7 +59,8 @@ def _summary(score: Score) -> str:
 def _sections(score: Score) -> list[tuple[str, str, Table]]:
     misses = [o for o in score.outcomes if not (o.right and o.placed)]
     withheld = sorted((o for o in score.outcomes if o.kind == "withheld"), key=lambda o: o.truth)
-    seen = sorted({o.truth for o in score.outcomes if o.kind == "single"})
+    singles = [o for o in score.outcomes if o.kind == "single"]
+    seen = sorted({o.truth for o in singles})
     return [
         ("Figures", "With 95 % intervals.", _figures(score)),
         (
@@ -103,14 +104,10 @@ def _sections(score: Score) -> list[tuple[str, str, Table]]:
         ),
         (
             "Single effects",
-            "How often each was named, and at its place.",
+            "How often each was named, and at its place; of those, medians and how many 95 % intervals hold.",
             (
-                ("effect", "cases", "right id", "right place"),
-                [
-                    (name, str(len(own)), str(sum(o.right for o in own)), str(sum(o.placed for o in own)))
-                    for name in seen
-                    if (own := [o for o in score.outcomes if o.kind == "single" and o.truth == name])
-                ],
+                ("effect", "cases", "right id", "right place", "closure", "intervals hold", "time, s"),
+                [_effect_row(name, [o for o in singles if o.truth == name]) for name in seen],
             ),
         ),
     ]
@@ -153,6 +150,18 @@ def _closure_row(outcomes: Sequence[Outcome], name: str, kinds: Sequence[str], r
     closures = [o.closure for o in outcomes if o.kind in kinds and o.right == right and np.isfinite(o.closure)]
     shown = np.quantile(closures, (0, 0.1, 0.5, 0.9, 1)) if closures else np.full(5, np.nan)
     return name, str(len(closures)), *(_number(float(value)) for value in shown)
+
+
+def _effect_row(name: str, own: Sequence[Outcome]) -> tuple[str, ...]:
+    """What became of the cases of one effect."""
+    right, inside = [o for o in own if o.right], held(own, 0.95)
+    counts = (len(own), len(right), sum(o.placed for o in own))
+    closure, time = (_median([getattr(o, what) for o in right]) for what in ("closure", "wall_s"))
+    return name, *map(str, counts), closure, f"{sum(inside)} of {len(inside)}", time
+
+
+def _median(values: Sequence[float]) -> str:
+    return f"{np.median(values):.3g}" if values else "-"
 
 
 def _goal(goal: tuple[float, float] | None) -> str:
