@@ -17,7 +17,7 @@ from boom_mj.logs import read_log, write_mcap
 from boom_mj.simulation import CATALOGUE, Experiment
 
 MACHINE = (Path(__file__).parents[2] / "models" / "boom36.toml").read_text()
-SECRET = b"a secret that everybody may read"
+SECRET = b"a secret that everybody may read, 11"  # whose effects show in 10 s, and are soon found
 MIXTURE = {"single": 2.0, "none": 1.0, "pair": 1.0, "withheld": 1.0, "stranger": 1.0}
 CASES = sum(map(int, MIXTURE.values()))
 
