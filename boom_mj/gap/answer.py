@@ -8,7 +8,7 @@ import numpy as np
 
 from boom_mj.effects import Effect
 from boom_mj.gap.candidate import Candidate
-from boom_mj.gap.diagnose import Diagnosis
+from boom_mj.gap.diagnose import QUIET, Diagnosis
 from boom_mj.gap.judge import Judged, gap
 from boom_mj.gap.metric import of_size
 from boom_mj.gap.where import in_words, locate, looks
@@ -36,7 +36,7 @@ def document(found: Diagnosis, names: Sequence[str]) -> dict[str, Any]:
     listed = [vars(cell) for cell in cells if cell.share >= SHOWN]
     rest = 1 - sum(cell["share"] for cell in listed)
     solved = found.verdict in ("explained", "ambiguous")
-    causes = described(found) if best and found.verdict != "consistent" else []
+    causes = described(found) if best else []
     answer = {
         "verdict": found.verdict,
         "sentence": sentence(found),
@@ -72,8 +72,18 @@ def document(found: Diagnosis, names: Sequence[str]) -> dict[str, Any]:
             "share": float(np.clip(share, 0, 1)),
             "looks_like": looks(campaign, after),
             "where": in_words(remaining),
+            "learn_from": not_learnt(found),
         }
     return _plain(answer)
+
+
+def not_learnt(found: Diagnosis) -> list[str]:
+    """Names of recordings held out that show a gap where those learnt from show none."""
+    campaign, shown = found.metric.campaign, found.nominal
+    if campaign.split_in_time or gap(shown, campaign.train) > QUIET:
+        return []
+    rows = {log.name: campaign.held_out & (campaign.recording_of == k) for k, log in enumerate(campaign.recordings)}
+    return [name for name, own in rows.items() if gap(shown, own) > QUIET]
 
 
 def described(found: Diagnosis) -> list[dict[str, Any]]:
@@ -145,10 +155,12 @@ def sentence(found: Diagnosis) -> str:
     if found.verdict == "consistent":
         return f"No gap beyond noise and model error: {before:.2f} on what was held out, 1 is the floor."
     where = in_words(locate(campaign, found.nominal))
-    if found.best is None or found.verdict == "unexplained":
+    if found.verdict == "unexplained":
         leaves = f"close {found.closure.value:.0%} and leave {found.best.held_out:.1f}" if found.best else ""
         tried = f"; {found.best.label} would {leaves}" if found.best else ""
-        return f"The gap of {before:.1f} has no explanation in the library{tried}: {where}."
+        hidden = " and ".join(not_learnt(found))
+        advice = f" What was learnt from does not show it; learn from {hidden} as well." if hidden else ""
+        return f"The gap of {before:.1f} has no explanation in the library{tried}: {where}.{advice}"
     cause = " and ".join(_in_words(entry) for entry in described(found))
     text = f"{cause[0].upper()}{cause[1:]} closes {found.closure.value:.0%} of the held-out gap of {before:.1f}"
     if found.ties:

@@ -25,6 +25,7 @@ LEADERS = 2  # of a contest that are fitted again
 SMALLEST = 0.10  # fall of the held-out mean square that counts
 QUIET, SURE = 1.15, 4.0  # held-out gap up to which nothing needs explaining, and standard errors that name a cause
 SETTLED = 1.03  # gap that an explanation may leave, held out or not; right ones leave 0.95 to 1.01
+WHOLE = 0.95  # closure that the interval of an explanation must reach
 ROUNDS, WORSE = 3, 1.2  # of polishing, and the growth of the training gap at which it is given up
 HELPED, FAR = 0.98, 0.25  # of a gap that fitting again must leave to go on, if more than this of the gap is left
 NEAR = 0.1  # of a size worth finding, within which nuisances and model error stay what they are
@@ -102,9 +103,9 @@ def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], 
     if best and before <= QUIET and not _sure(metric, nominal, best):
         best = None
     share = closure(metric, nominal, best.fit.residual if best else nominal, campaign.held_out)
-    verdict = "consistent" if before <= QUIET else "unexplained"
+    verdict = "unexplained" if best or before > QUIET else "consistent"
     ties: tuple[Judged, ...] = ()
-    if best and solved(gaps, best):
+    if best and solved(gaps, best) and share.high > WHOLE:
         rivals = (j for j in contest if j is not best and solved(gaps, j))
         ties = tuple(j for j in rivals if _ties(metric, best, j, before))
         verdict = "ambiguous" if ties else "explained"

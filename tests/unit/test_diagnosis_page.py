@@ -11,6 +11,7 @@ import pytest
 
 from boom_mj.effects import make_effect
 from boom_mj.gap import Campaign, Diagnosis
+from boom_mj.gap.answer import not_learnt, sentence
 from boom_mj.gap.boom import tolerances
 from boom_mj.gap.candidate import Candidate
 from boom_mj.gap.fit import Fit
@@ -228,3 +229,12 @@ def test_the_file_is_written(tmp_path: Path) -> None:
 )
 def test_words(said: object, text: object) -> None:
     assert said == text
+
+
+def test_what_only_recordings_held_out_show_is_to_be_learnt_from() -> None:
+    found = diagnosis(VERDICTS[-1])
+    assert not_learnt(found) == []
+    campaign = found.metric.campaign
+    hidden = replace(found, nominal=np.where(campaign.train, residual(found.metric, 1.0), found.nominal))
+    name = campaign.recordings[-1].name
+    assert not_learnt(hidden) == [name] and f"learn from {name} as well" in sentence(hidden)
