@@ -78,12 +78,12 @@ def document(found: Diagnosis, names: Sequence[str]) -> dict[str, Any]:
 
 
 def not_learnt(found: Diagnosis) -> list[str]:
-    """Names of recordings held out that show a gap where those learnt from show none."""
-    campaign, shown = found.metric.campaign, found.nominal
-    if campaign.split_in_time or gap(shown, campaign.train) > QUIET:
+    """Names of recordings held out with a gap that nothing learnt from has: there the best leaves none, or none is."""
+    campaign, left = found.metric.campaign, found.best.fit.residual if found.best else found.nominal
+    if campaign.split_in_time or gap(left, campaign.train) > QUIET:
         return []
     rows = {log.name: campaign.held_out & (campaign.recording_of == k) for k, log in enumerate(campaign.recordings)}
-    return [name for name, own in rows.items() if gap(shown, own) > QUIET]
+    return [name for name, own in rows.items() if gap(left, own) > QUIET]
 
 
 def described(found: Diagnosis) -> list[dict[str, Any]]:
@@ -159,7 +159,7 @@ def sentence(found: Diagnosis) -> str:
         leaves = f"close {found.closure.value:.0%} and leave {found.best.held_out:.1f}" if found.best else ""
         tried = f"; {found.best.label} would {leaves}" if found.best else ""
         hidden = " and ".join(not_learnt(found))
-        advice = f" What was learnt from does not show it; learn from {hidden} as well." if hidden else ""
+        advice = f" What was learnt from does not show all of it; learn from {hidden} as well." if hidden else ""
         return f"The gap of {before:.1f} has no explanation in the library{tried}: {where}.{advice}"
     cause = " and ".join(_in_words(entry) for entry in described(found))
     text = f"{cause[0].upper()}{cause[1:]} closes {found.closure.value:.0%} of the held-out gap of {before:.1f}"
