@@ -161,8 +161,9 @@ def sentence(found: Diagnosis) -> str:
         hidden = " and ".join(not_learnt(found))
         advice = f" What was learnt from does not show all of it; learn from {hidden} as well." if hidden else ""
         return f"The gap of {before:.1f} has no explanation in the library{tried}: {where}.{advice}"
-    cause = " and ".join(_in_words(entry) for entry in described(found))
-    text = f"{cause[0].upper()}{cause[1:]} closes {found.closure.value:.0%} of the held-out gap of {before:.1f}"
+    causes = [_in_words(entry) for entry in described(found)]
+    cause, close = " and ".join(causes), "closes" if len(causes) == 1 else "close"
+    text = f"{cause[0].upper()}{cause[1:]} {close} {found.closure.value:.0%} of the held-out gap of {before:.1f}"
     if found.ties:
         text += ", and so would " + " or ".join(j.label for j in found.ties)
         if found.next_experiment:
