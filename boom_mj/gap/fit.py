@@ -14,7 +14,7 @@ from boom_mj.gap.subject import Hypothesis
 Array = np.ndarray
 ITERATIONS = 10
 START, ROUGH, SHARP = 0.1, 1e-2, 1e-4  # relative fall of the cost below which a fit has converged
-SETTLED = 0.3  # fall of the cost, half a sum of squares, that is not worth a step
+SETTLED = 0.3  # fall of the cost, half a sum of squares, that is not worth a step where the gap is 1
 PRIOR = 30.0  # deviation of a coordinate: keeps what the data do not tell from running away
 
 
@@ -128,7 +128,7 @@ def settle(metric: Metric, candidate: Candidate) -> tuple[Metric, Fit]:
         root, slope = cholesky(columns.T @ columns + np.diag(prior)), columns.T @ left - prior * at
         ends = np.r_[low, -reach] - at, np.r_[high, reach] - at
         step = lsq_linear(root, solve_triangular(root, slope, trans="T"), ends).x
-        if slope @ step - 0.5 * np.sum((root @ step) ** 2) < SETTLED:
+        if slope @ step - 0.5 * np.sum((root @ step) ** 2) < SETTLED * max(1.0, 2 * cost / len(left)):
             break
         there, rest, price = simulated(at + step)
         columns += np.outer(left - rest - columns @ step, step) / (step @ step)
