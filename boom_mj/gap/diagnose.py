@@ -23,6 +23,7 @@ FINALISTS = 6  # singles that are fitted
 SECONDS = 3  # partners that are tried
 LEADERS = 2  # of a contest that are fitted again
 SMALLEST = 0.10  # fall of the held-out mean square that counts
+PROMISE = 0.01  # fall of the training mean square by screening, of which a quiet machine's best candidate stays short
 QUIET, SURE = 1.15, 4.0  # held-out gap up to which nothing needs explaining, and standard errors that name a cause
 SETTLED = 1.03  # gap that an explanation may leave, held out or not; right ones leave 0.95 to 1.01
 WHOLE = 0.95  # closure that the interval of an explanation must reach
@@ -91,8 +92,10 @@ def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], 
     tell(f"nominal gap {learnt:.2f} in training, {before:.2f} held out; screening")
     signatures = Signatures(metric, everywhere(campaign.subject, without), spectral_lines(metric, nominal))
     screened = signatures.rank(raw)
-    tell("contest of " + ", ".join(s.candidate.label for s in screened[:FINALISTS]))
-    contest = _fit_all(metric, [start for s in shortlist(screened) for start in s.starts])
+    contest = []
+    if max(gaps) > QUIET or (screened and screened[0].share * learnt**2 > PROMISE):
+        tell("contest of " + ", ".join(s.candidate.label for s in screened[:FINALISTS]))
+        contest = _fit_all(metric, [start for s in shortlist(screened) for start in s.starts])
     if contest and (before > QUIET or before**2 - contest[0].held_out ** 2 > SMALLEST / 2):
         contest = _polished(contest, gaps, tell)
         for size in range(2, campaign.subject.causes + 1):

@@ -63,8 +63,6 @@ def _own(view: View) -> str:
             return "the best that there is, and not enough"
         case "ambiguous":
             return "the best, but not by more than chance"
-        case "consistent":
-            return "lowers a gap that needs no explanation"
     return "the explanation"
 
 
