@@ -82,8 +82,8 @@ def not_learnt(found: Diagnosis) -> list[str]:
     campaign, left = found.metric.campaign, found.best.fit.residual if found.best else found.nominal
     if campaign.split_in_time or gap(left, campaign.train) > QUIET:
         return []
-    rows = {log.name: campaign.held_out & (campaign.recording_of == k) for k, log in enumerate(campaign.recordings)}
-    return [name for name, own in rows.items() if gap(left, own) > QUIET]
+    rows = (campaign.held_out & (campaign.recording_of == k) for k in range(len(campaign.recordings)))
+    return [log.name for log, own in zip(campaign.recordings, rows) if gap(left, own) > QUIET]
 
 
 def described(found: Diagnosis) -> list[dict[str, Any]]:
