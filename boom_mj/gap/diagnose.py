@@ -108,7 +108,7 @@ def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], 
     share = closure(metric, nominal, best.fit.residual if best else nominal, campaign.held_out)
     verdict = "unexplained" if best or before > QUIET else "consistent"
     ties: tuple[Judged, ...] = ()
-    if best and solved(gaps, best) and share.high > WHOLE:
+    if best and explains(gaps, best, share):
         rivals = (j for j in contest if j is not best and solved(gaps, j))
         ties = tuple(j for j in rivals if _ties(metric, best, j, before))
         verdict = "ambiguous" if ties else "explained"
@@ -158,6 +158,11 @@ def solved(nominal: Gaps, found: Judged) -> bool:
     """Whether an explanation leaves no more than noise and its own inaccuracy, learnt from and held out."""
     slack = found.metric.campaign.subject.slack
     return all(after <= SETTLED + slack * (before - 1) for before, after in zip(nominal, found.gaps))
+
+
+def explains(nominal: Gaps, found: Judged, share: Closure) -> bool:
+    """Whether an explanation leaves no more than that and may have closed the whole gap."""
+    return solved(nominal, found) and share.high > WHOLE
 
 
 def _sure(metric: Metric, nominal: Array, found: Judged) -> bool:

@@ -14,8 +14,9 @@ from boom_mj.gap import Campaign, Diagnosis
 from boom_mj.gap.answer import not_learnt, sentence
 from boom_mj.gap.boom import tolerances
 from boom_mj.gap.candidate import Candidate
+from boom_mj.gap.diagnose import explains
 from boom_mj.gap.fit import Fit
-from boom_mj.gap.judge import Judged, closure, gap
+from boom_mj.gap.judge import Closure, Judged, closure, gap
 from boom_mj.gap.metric import Metric
 from boom_mj.gap.screen import Screened
 from boom_mj.logs import read_log
@@ -238,3 +239,10 @@ def test_what_only_recordings_held_out_show_is_to_be_learnt_from() -> None:
     hidden = replace(found, nominal=np.where(campaign.train, residual(found.metric, 1.0), found.nominal))
     name = campaign.recordings[-1].name
     assert not_learnt(hidden) == [name] and f"learn from {name} as well" in sentence(hidden)
+
+
+def test_what_surely_leaves_some_of_a_small_gap_is_no_explanation() -> None:
+    quiet, loud = (judged(metric(2), PAYLOAD, size) for size in (1.0, 2.0))
+    whole, most = Closure(1.0, 0.9, 1.1), Closure(0.73, 0.55, 0.90)
+    assert explains((1.11, 1.11), quiet, whole)
+    assert not explains((1.11, 1.11), quiet, most) and not explains((8.0, 8.0), loud, whole)
