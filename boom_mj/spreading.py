@@ -115,7 +115,7 @@ def _in_processes(work: Callable[[Item], Result], items: Iterable[Item], jobs: i
             if following := list(islice(queue, 1)):
                 begin(following[0], pool=None if died else pool)
             else:
-                pool.shutdown(wait=False)
+                pool.shutdown()
             yield done
     except BaseException:
         for child in multiprocessing.active_children():

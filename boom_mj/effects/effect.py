@@ -82,6 +82,7 @@ class Effect(ABC):
         special_cases: ids of effects that it becomes at some of its values.
         told_by: experiment of the catalogue that tells.
         sizes: coordinates at which screening looks; several, and both signs, where the effect is not smooth.
+        rungs: coordinates between which a fit is begun at the least cost, where it has many minima.
         location, values: of this instance; parameters left out are neutral.
     """
 
@@ -92,6 +93,7 @@ class Effect(ABC):
     special_cases: ClassVar[tuple[str, ...]] = ()
     told_by: ClassVar[str] = ""
     sizes: ClassVar[tuple[float, ...]] = (1.0,)
+    rungs: ClassVar[tuple[float, ...]] = ()
 
     def __init__(self, location: Location | None = None, **values: float) -> None:
         self.location = dict(location or {})

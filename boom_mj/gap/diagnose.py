@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 from boom_mj.effects import Effect
 from boom_mj.gap.campaign import Campaign
 from boom_mj.gap.candidate import Candidate, everywhere
-from boom_mj.gap.fit import ROUGH, SHARP, START, fit, settle
+from boom_mj.gap.fit import ROUGH, SHARP, START, climb, fit, settle
 from boom_mj.gap.judge import Closure, Judged, closure, gap, judge, worse_by
 from boom_mj.gap.metric import Metric, anchored, around, beside, blurred, coarsely, make_metric
 from boom_mj.gap.screen import Screened, Signatures, spectral_lines
@@ -24,7 +24,8 @@ SECONDS = 3  # partners that are tried
 LEADERS = 2  # of a contest that are fitted again
 SMALLEST = 0.10  # fall of the held-out mean square that counts
 PROMISE = 0.01  # fall of the training mean square by screening, of which a quiet machine's best candidate stays short
-QUIET, SURE = 1.15, 4.0  # held-out gap up to which nothing needs explaining, and standard errors that name a cause
+HEALTHY = 1.05  # held-out gap up to which nothing needs explaining; healthy machines show 0.97 to 0.99
+QUIET, SURE = 1.15, 4.0  # held-out gap up to which a cause must be sure, and in how many standard errors
 SETTLED = 1.03  # gap that an explanation may leave, held out or not; right ones leave 0.95 to 1.01
 WHOLE = 0.95  # closure that the interval of an explanation must reach
 ROUNDS, WORSE = 3, 1.2  # of polishing, and the growth of the training gap at which it is given up
@@ -93,10 +94,10 @@ def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], 
     signatures = Signatures(metric, everywhere(campaign.subject, without), spectral_lines(metric, nominal))
     screened = signatures.rank(raw)
     contest = []
-    if max(gaps) > QUIET or (screened and screened[0].share * learnt**2 > PROMISE):
+    if max(gaps) > HEALTHY or (screened and screened[0].share * learnt**2 > PROMISE):
         tell("contest of " + ", ".join(s.candidate.label for s in screened[:FINALISTS]))
         contest = _fit_all(metric, [start for s in shortlist(screened) for start in s.starts])
-    if contest and (before > QUIET or before**2 - contest[0].held_out ** 2 > SMALLEST / 2):
+    if contest and (before > HEALTHY or before**2 - contest[0].held_out ** 2 > SMALLEST / 2):
         contest = _polished(contest, gaps, tell)
         for size in range(2, campaign.subject.causes + 1):
             if not solved(gaps, contest[0]):
@@ -106,7 +107,7 @@ def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], 
     if best and before <= QUIET and not _sure(metric, nominal, best):
         best = None
     share = closure(metric, nominal, best.fit.residual if best else nominal, campaign.held_out)
-    verdict = "unexplained" if best or before > QUIET else "consistent"
+    verdict = "unexplained" if best or before > HEALTHY else "consistent"
     ties: tuple[Judged, ...] = ()
     if best and explains(gaps, best, share):
         rivals = (j for j in contest if j is not best and solved(gaps, j))
@@ -139,8 +140,10 @@ def _fit_all(metric: Metric, candidates: Sequence[Candidate]) -> list[Judged]:
 
     def judged(candidate: Candidate) -> Judged:
         own = beside(coarse, candidate.effects)
-        first = fit(beside(slow, candidate.effects), candidate, START) if metric.campaign.subject.swings else None
-        return judge(own, fit(own, candidate, instead=first.coordinates if first else None))
+        others = climb(own, candidate)
+        if metric.campaign.subject.swings:
+            others.append(fit(beside(slow, candidate.effects), candidate, START).coordinates)
+        return judge(own, fit(own, candidate, others=others))
 
     with ThreadPoolExecutor(max(1, len(candidates))) as threads:
         return _best_of_each(threads.map(judged, candidates))

@@ -1,10 +1,11 @@
 """Fitting a candidate: roughly, with nuisances added linearly, and then together with them, all of them simulated."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
-from scipy.optimize import lsq_linear
+from scipy.optimize import lsq_linear, minimize_scalar
 
 from boom_mj.effects import Effect
 from boom_mj.gap.candidate import Candidate
@@ -15,6 +16,7 @@ Array = np.ndarray
 ITERATIONS = 10
 START, ROUGH, SHARP = 0.1, 1e-2, 1e-4  # relative fall of the cost below which a fit has converged
 SETTLED = 0.3  # fall of the cost, half a sum of squares, that is not worth a step where the gap is 1
+BETWEEN = 10  # looks between rungs
 PRIOR = 30.0  # deviation of a coordinate: keeps what the data do not tell from running away
 
 
@@ -39,33 +41,25 @@ class Fit:
     cost: float
 
 
-def fit(metric: Metric, candidate: Candidate, enough: float = ROUGH, instead: Array | None = None) -> Fit:
+def fit(metric: Metric, candidate: Candidate, enough: float = ROUGH, others: Sequence[Array] = ()) -> Fit:
     """Fit a candidate on the training entries: Levenberg-Marquardt, nuisances projected out, Broyden's updates.
 
     Args:
         enough: relative fall of the cost below which it has converged.
-        instead: another start, (p,), where it costs less.
+        others: starts, (p,) each, of which one is taken where it costs less.
     """
     train = metric.campaign.train
     low, high = candidate.bounds()
-    starts = [np.clip(start, low, high) for start in (candidate.start, instead) if start is not None]
-
-    def residuals(hypotheses: list[Hypothesis]) -> list[Array]:
-        return [np.where(train, metric.residual(p), 0.0) for p in metric.predict(hypotheses, training_only=True)]
-
-    def cost_of(residual: Array, at: Array) -> float:
-        estimate = metric.estimate(residual)
-        left = residual[train] - metric.taught @ estimate
-        return 0.5 * float(left @ left + estimate @ estimate + at @ at / PRIOR**2)
+    starts = [np.clip(start, low, high) for start in (candidate.start, *others)]
 
     def secants(at: Array, residual: Array) -> Array:
         steps, points = candidate.steps(at)
-        return np.stack([(residual - r) / step for r, step in zip(residuals(points), steps)], axis=1)
+        return np.stack([(residual - r) / step for r, step in zip(_residuals(metric, points), steps)], axis=1)
 
-    begun = residuals([candidate.at(start) for start in starts])
-    first = int(np.argmin([cost_of(*one) for one in zip(begun, starts)]))
+    begun = _residuals(metric, [candidate.at(start) for start in starts])
+    first = int(np.argmin([_cost(metric, *one) for one in zip(begun, starts)]))
     theta, residual = starts[first], begun[first]
-    cost, jacobian, fresh, damping = cost_of(residual, theta), secants(theta, residual), True, 1e-3
+    cost, jacobian, fresh, damping = _cost(metric, residual, theta), secants(theta, residual), True, 1e-3
     for _ in range(ITERATIONS):
         estimate = metric.estimate(residual)
         slope = jacobian[train].T @ (residual[train] - metric.taught @ estimate) - theta / PRIOR**2
@@ -75,8 +69,8 @@ def fit(metric: Metric, candidate: Candidate, enough: float = ROUGH, instead: Ar
         new = np.clip(theta + np.clip(step, -10, 10), low, high)
         if np.max(np.abs(new - theta)) < 1e-4:
             break
-        (found,) = residuals([candidate.at(new)])
-        new_cost = cost_of(found, new)
+        (found,) = _residuals(metric, [candidate.at(new)])
+        new_cost = _cost(metric, found, new)
         if new_cost < cost:
             moved = new - theta
             miss = (residual - found) - jacobian @ moved
@@ -95,6 +89,43 @@ def fit(metric: Metric, candidate: Candidate, enough: float = ROUGH, instead: Ar
         else:
             jacobian, fresh = secants(theta, residual), True
     return Fit(candidate, theta, candidate.at(theta), metric.clean(residual), jacobian, cost)
+
+
+def climb(metric: Metric, candidate: Candidate) -> list[Array]:
+    """Starts, (p,) each: for every knob that has rungs the size that costs least, the others where they are."""
+    return [
+        _climbed(metric, candidate, k)
+        for k, (owner, *_) in enumerate(candidate.knobs)
+        if candidate.effects[owner].rungs
+    ]
+
+
+def _climbed(metric: Metric, candidate: Candidate, number: int) -> Array:
+    """The best rung of a knob first, then between its neighbours."""
+    rungs = candidate.effects[candidate.knobs[number][0]].rungs
+    start, own = candidate.start, np.arange(len(candidate.knobs)) == number
+
+    def cost(size: float) -> float:
+        at = np.where(own, size, start)
+        (residual,) = _residuals(metric, [candidate.at(at)])
+        return _cost(metric, residual, at)
+
+    best = int(np.argmin([cost(rung) for rung in rungs]))
+    ends = rungs[max(best - 1, 0)], rungs[min(best + 1, len(rungs) - 1)]
+    return np.where(own, minimize_scalar(cost, bounds=ends, options={"maxiter": BETWEEN}).x, start)
+
+
+def _residuals(metric: Metric, hypotheses: Sequence[Hypothesis]) -> list[Array]:
+    """Whitened residuals of hypotheses on the training entries, zero elsewhere, (N,) each."""
+    train = metric.campaign.train
+    return [np.where(train, metric.residual(p), 0.0) for p in metric.predict(hypotheses, training_only=True)]
+
+
+def _cost(metric: Metric, residual: Array, at: Array) -> float:
+    """Half the sum of squares that nuisances leave of a whitened residual, with what priors add."""
+    estimate = metric.estimate(residual)
+    left = residual[metric.campaign.train] - metric.taught @ estimate
+    return 0.5 * float(left @ left + estimate @ estimate + at @ at / PRIOR**2)
 
 
 def settle(metric: Metric, candidate: Candidate) -> tuple[Metric, Fit]:

@@ -1,6 +1,7 @@
 """Backlash of the slewing gear."""
 
 import mujoco
+import numpy as np
 
 from boom_mj.effects.effect import ModelEffect, Parameter
 from boom_mj.effects.library.joint_play import add_gap
@@ -15,6 +16,7 @@ class SlewBacklash(ModelEffect):
     confused_with = ("slew_compliance",)
     told_by = "slew_t"
     sizes = (0.5, 1.5)
+    rungs = tuple(np.geomspace(0.3, 5.0, 9))  # every jolt turns the phase of what swings after it
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         if self.values["half_gap"]:
