@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from boom_mj.effects import Effect, Parameter
+from boom_mj.effects.effect import Location
 from boom_mj.gap.subject import Subject
 
 Array = np.ndarray
@@ -72,6 +73,11 @@ class Candidate:
     @property
     def label(self) -> str:
         return " + ".join(" ".join([e.id, *(f"{k} {v}" for k, v in e.location.items())]) for e in self.effects)
+
+
+def causes(kind: type[Effect], place: Location) -> set[tuple]:
+    """What an effect is at a place, its special cases too: of two that share one, the data cannot tell the sizes."""
+    return {(name, tuple(place.items())) for name in (kind.id, *kind.special_cases)}
 
 
 def everywhere(subject: Subject, without: Sequence[str] = ()) -> list[tuple[type[Effect], dict]]:

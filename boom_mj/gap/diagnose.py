@@ -10,7 +10,7 @@ from threadpoolctl import threadpool_limits
 
 from boom_mj.effects import Effect
 from boom_mj.gap.campaign import Campaign
-from boom_mj.gap.candidate import Candidate, everywhere
+from boom_mj.gap.candidate import Candidate, causes, everywhere
 from boom_mj.gap.fit import ROUGH, SHARP, START, climb, fit, settle
 from boom_mj.gap.judge import Closure, Judged, closure, gap, judge, worse_by
 from boom_mj.gap.metric import Metric, anchored, around, beside, blurred, coarsely, make_metric
@@ -20,7 +20,7 @@ from boom_mj.gap.subject import Push
 Array = np.ndarray
 Gaps = tuple[float, float]  # learnt from, held out
 FINALISTS = 6  # singles that are fitted
-SECONDS = 3  # partners that are tried
+SECONDS, RUNNERS = 3, 2  # partners that are tried: of those screened beside a leader, of those fitted without it
 LEADERS = 2  # of a contest that are fitted again
 SMALLEST = 0.10  # fall of the held-out mean square that counts
 PROMISE = 0.01  # fall of the training mean square by screening, of which a quiet machine's best candidate stays short
@@ -186,7 +186,8 @@ def _combine(
         metric, trunk = trunks.pop(0)
         tell("screening beside " + Candidate(trunk).label)
         tried = {judged.fit.candidate.places for judged in contest}
-        pairs = [pair for pair in _partnered(metric, trunk, without) if pair.places not in tried]
+        pairs = [*_partnered(metric, trunk, without), *_shared(trunk, contest)]
+        pairs = [pair for pair in pairs if pair.places not in tried]
         tell("combinations: " + ", ".join(dict.fromkeys(pair.label for pair in pairs)))
         found = _polished(_fit_all(metric, pairs), before, tell)
         contest = sorted([*contest, *found], key=lambda j: j.held_out)
@@ -202,6 +203,14 @@ def _partnered(metric: Metric, trunk: tuple[Effect, ...], without: Sequence[str]
     kinds, lines = everywhere(metric.campaign.subject, without), spectral_lines(metric, metric.clean(raw))
     partners = Signatures(metric, kinds, lines, trunk).rank(raw)[:SECONDS]
     return [Candidate((*trunk, *start.effects)) for partner in partners for start in partner.starts]
+
+
+def _shared(trunk: tuple[Effect, ...], contest: Sequence[Judged]) -> list[Candidate]:
+    """Effects together with the best of those that do not share a cause with them: each may stand for part of both."""
+    taken = {cause for effect in trunk for cause in causes(type(effect), effect.location)}
+    alone = [j.fit.effects[0] for j in contest if len(j.fit.effects) == 1]
+    free = [effect for effect in alone if not taken & causes(type(effect), effect.location)]
+    return [Candidate((*trunk, effect)) for effect in free[:RUNNERS]]
 
 
 def _simpler(contest: list[Judged], nominal: Gaps) -> list[Judged]:

@@ -13,8 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from boom_mj.effects import Effect
-from boom_mj.effects.effect import Location
-from boom_mj.gap.candidate import Candidate
+from boom_mj.gap.candidate import Candidate, causes
 from boom_mj.gap.fit import PRIOR
 from boom_mj.gap.metric import Metric, coarsely, with_courses
 
@@ -62,8 +61,8 @@ class Signatures:
         given: tuple[Effect, ...] = (),
     ):
         self.metric, self.given = metric, given
-        taken = {cause for effect in given for cause in _causes(type(effect), effect.location)}
-        free = [(kind, place) for kind, place in kinds if not taken & _causes(kind, place)]
+        taken = {cause for effect in given for cause in causes(type(effect), effect.location)}
+        free = [(kind, place) for kind, place in kinds if not taken & causes(kind, place)]
         self.rows = [(kind, place, group) for kind, place in free for group in kind.probes(place, lines) if group]
         campaign, subject = metric.campaign, metric.campaign.subject
         probes = [kind(place, **probe) for kind, place, group in self.rows for probe in group]
@@ -127,11 +126,6 @@ class Signatures:
         left = metric.clean(residual)
         before, after = (float(np.mean(white[train] ** 2)) for white in (left, own.courses.without(left)))
         return 1 - after / before if after**0.5 - 1 < LEFT * (before**0.5 - 1) else 0.0
-
-
-def _causes(kind: type[Effect], place: Location) -> set[tuple]:
-    """What an effect is at a place, its special cases too: of two that share one, the data cannot tell the sizes."""
-    return {(name, tuple(place.items())) for name in (kind.id, *kind.special_cases)}
 
 
 def spectral_lines(metric: Metric, residual: Array, count: int = LINES) -> list[float]:

@@ -11,6 +11,9 @@ import pytest
 
 from boom_mj.effects import Effect, make_effect, parse_effect
 from boom_mj.gap import Campaign, Diagnosis, diagnose, document, with_effects, with_effects_text
+from boom_mj.gap.candidate import Candidate
+from boom_mj.gap.fit import climb, fit
+from boom_mj.gap.metric import make_metric
 from boom_mj.gap.where import locate
 from boom_mj.machine import load_machine, parse_machine
 from boom_mj.recording import Recording, named_signal
@@ -87,3 +90,15 @@ def test_where_it_lies() -> None:
     first = cells[0]
     assert (first.sensor, first.link, first.direction, first.band) == ("accelerometer", "link4", "y", "static")
     assert found.best is not None and found.best.fit.candidate.places == (("imu_bias", (("link", 4),)),)
+
+
+def test_a_backlash_is_looked_for_along_a_ladder() -> None:
+    """Every jolt turns the phase of what swings after it: a fit ends close to where it begins."""
+    planted = make_effect("slew_backlash", {"half_gap": 0.0054})
+    metric = make_metric(Campaign(BOOM, [record("slew_t", (planted,), 0)], 1))
+    begun = Candidate((make_effect("slew_backlash", {"half_gap": 0.0037}),))
+    stuck = fit(metric, begun)
+    found = fit(metric, begun, others=climb(metric, begun))
+    assert stuck.effects[0].values["half_gap"] < 0.0050
+    assert found.effects[0].values["half_gap"] == pytest.approx(0.0054, rel=0.03)
+    assert found.cost < 0.1 * stuck.cost

@@ -1,7 +1,9 @@
 """Candidates: what is left of them with one effect or knob less."""
 
 from boom_mj.effects import parse_effect
-from boom_mj.gap.candidate import Candidate
+from boom_mj.effects.general.coulomb_friction import CoulombFriction
+from boom_mj.effects.general.joint_friction import JointFriction
+from boom_mj.gap.candidate import Candidate, causes
 
 
 def labels(*effects: str) -> set[str]:
@@ -28,3 +30,9 @@ def test_a_pair_gives_up_an_effect_or_knobs_and_keeps_the_rest() -> None:
         e for c in Candidate(tuple(map(parse_effect, pair))).simpler() for e in c.effects if "pitch" in str(e.location)
     ]
     assert {e.values["pitch"] for e in keeps} == {2e7}
+
+
+def test_what_shares_a_cause_does_not_stand_beside() -> None:
+    joint, other = {"joint": "a"}, {"joint": "b"}
+    assert causes(JointFriction, joint) & causes(CoulombFriction, joint)
+    assert not causes(JointFriction, joint) & causes(CoulombFriction, other)
