@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from boom_mj.gap.diagnose import QUIET
+from boom_mj.gap.diagnose import HEALTHY
 from boom_mj.gap.where import looks
 from boom_mj.report.diagnosis.heat import heat_map
 from boom_mj.report.diagnosis.view import View
@@ -14,7 +14,7 @@ LISTED = 6  # places
 
 def section(view: View) -> Section:
     gaps = view.answer["gap"]["holdout"]
-    quiet = gaps["after"] is None or gaps["after"] <= QUIET
+    quiet = gaps["after"] is None or gaps["after"] <= HEALTHY
     facts = {
         "after": gaps["after"],
         "quiet": quiet,
@@ -30,6 +30,6 @@ def section(view: View) -> Section:
 
 def share_left(before: float | None, after: float | None) -> float | None:
     """Share of the squared gap above the floor that the explanation leaves; None where there was no gap."""
-    if before is None or after is None or before <= QUIET:
+    if before is None or after is None or before <= HEALTHY:
         return None
     return float(np.clip((after**2 - 1) / (before**2 - 1), 0, 1))
