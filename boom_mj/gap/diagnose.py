@@ -22,6 +22,7 @@ Gaps = tuple[float, float]  # learnt from, held out
 FINALISTS = 6  # singles that are fitted
 SECONDS, RUNNERS = 3, 2  # partners that are tried: of those screened beside a leader, of those fitted without it
 LEADERS = 2  # of a contest that are fitted again
+FLOOR = 1.0  # gap of noise alone: an effect's own inaccuracy is not what another one closes down to it
 SMALLEST = 0.10  # fall of the held-out mean square that counts
 PROMISE = 0.01  # fall of the training mean square by screening, of which a quiet machine's best candidate stays short
 HEALTHY = 1.05  # held-out gap up to which nothing needs explaining; healthy machines show 0.97 to 0.99
@@ -304,7 +305,8 @@ def _with_more(
         alone = min([before, *(j.held_out for j in members), *([best.held_out] if best else [])])
         gain = alone**2 - judged.held_out**2
         subject = judged.metric.campaign.subject
-        enough = gain > SMALLEST + subject.spill * (before**2 - alone**2)
+        inaccurate = 0.0 if max(judged.gaps) < FLOOR else subject.spill * (before**2 - alone**2)
+        enough = gain > SMALLEST + inaccurate
         if enough and alone - judged.held_out > subject.worth * (alone - 1):
             return _simplest(judged, larger, before)
     return best
