@@ -16,6 +16,8 @@ Array = np.ndarray
 ITERATIONS = 10
 START, ROUGH, SHARP = 0.1, 1e-2, 1e-4  # relative fall of the cost below which a fit has converged
 SETTLED = 0.3  # fall of the cost, half a sum of squares, that is not worth a step where the gap is 1
+PATIENCE = 1e-3  # and share of the cost beyond that of noise: what does not suffice need not be exact
+IDLE = 2  # steps in a row that promise more and bring less, after which none will
 BETWEEN = 10  # looks between rungs
 PRIOR = 30.0  # deviation of a coordinate: keeps what the data do not tell from running away
 
@@ -154,14 +156,16 @@ def settle(metric: Metric, candidate: Candidate) -> tuple[Metric, Fit]:
     steps, points = candidate.steps(at[:count])
     moved = coarsely(metric).predict(points, training_only=True)  # of the machine whose nuisances the columns are
     jacobian = np.stack([metric.white(p - metric.base) / step for p, step in zip(moved, steps)], axis=1)
-    columns = np.hstack([jacobian[train], metric.taught])
+    columns, idle = np.hstack([jacobian[train], metric.taught]), 0
     for _ in range(ITERATIONS):
         root, slope = cholesky(columns.T @ columns + np.diag(prior)), columns.T @ left - prior * at
         ends = np.r_[low, -reach] - at, np.r_[high, reach] - at
         step = lsq_linear(root, solve_triangular(root, slope, trans="T"), ends).x
-        if slope @ step - 0.5 * np.sum((root @ step) ** 2) < SETTLED * max(1.0, 2 * cost / len(left)):
+        least = SETTLED * max(1.0, 2 * cost / len(left)) + PATIENCE * max(0.0, cost - len(left) / 2)
+        if slope @ step - 0.5 * np.sum((root @ step) ** 2) < least or idle == IDLE:
             break
         there, rest, price = simulated(at + step)
+        idle = idle + 1 if cost - price < least else 0
         columns += np.outer(left - rest - columns @ step, step) / (step @ step)
         if price < cost:
             at, here, left, cost = at + step, there, rest, price
