@@ -8,7 +8,8 @@ import numpy as np
 
 from boom_mj.effects import Effect
 from boom_mj.gap.candidate import Candidate
-from boom_mj.gap.diagnose import QUIET, Diagnosis
+from boom_mj.gap.choice import QUIET
+from boom_mj.gap.diagnose import Diagnosis
 from boom_mj.gap.judge import Judged, gap
 from boom_mj.gap.metric import of_size
 from boom_mj.gap.where import in_words, locate, looks

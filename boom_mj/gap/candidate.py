@@ -76,8 +76,14 @@ class Candidate:
 
 
 def causes(kind: type[Effect], place: Location) -> set[tuple]:
-    """What an effect is at a place, its special cases too: of two that share one, the data cannot tell the sizes."""
-    return {(name, tuple(place.items())) for name in (kind.id, *kind.special_cases)}
+    """What an effect is at a place, its special cases too: of two that share one, the data cannot tell the sizes.
+
+    Where places differ in their knobs, such as roll from roll and pitch, each knob is a cause.
+    """
+    knobs = kind.knobs(place)
+    divided = any(kind.knobs(other) != knobs for other in kind.locations())
+    parts = knobs if divided else [tuple(place.items())]
+    return {(name, part) for name in (kind.id, *kind.special_cases) for part in parts}
 
 
 def everywhere(subject: Subject, without: Sequence[str] = ()) -> list[tuple[type[Effect], dict]]:

@@ -1,6 +1,6 @@
 """Candidates: what is left of them with one effect or knob less."""
 
-from boom_mj.effects import parse_effect
+from boom_mj.effects import effect_library, parse_effect
 from boom_mj.effects.general.coulomb_friction import CoulombFriction
 from boom_mj.effects.general.joint_friction import JointFriction
 from boom_mj.gap.candidate import Candidate, causes
@@ -36,3 +36,6 @@ def test_what_shares_a_cause_does_not_stand_beside() -> None:
     joint, other = {"joint": "a"}, {"joint": "b"}
     assert causes(JointFriction, joint) & causes(CoulombFriction, joint)
     assert not causes(JointFriction, joint) & causes(CoulombFriction, other)
+    base = effect_library()["base_compliance"]
+    both, roll, pitch = (causes(base, {"axes": axes}) for axes in ("roll+pitch", "roll", "pitch"))
+    assert both & roll and both & pitch and not roll & pitch

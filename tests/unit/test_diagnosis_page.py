@@ -14,7 +14,7 @@ from boom_mj.gap import Campaign, Diagnosis
 from boom_mj.gap.answer import not_learnt, sentence
 from boom_mj.gap.boom import tolerances
 from boom_mj.gap.candidate import Candidate
-from boom_mj.gap.diagnose import explains
+from boom_mj.gap.choice import explains
 from boom_mj.gap.fit import Fit
 from boom_mj.gap.judge import Closure, Judged, closure, gap
 from boom_mj.gap.metric import Metric

@@ -13,7 +13,7 @@ from matplotlib.patches import Polygon
 
 from boom_mj.gap.boom import Boom, sensor_place
 from boom_mj.gap.campaign import Channel
-from boom_mj.gap.diagnose import QUIET as UNASKED
+from boom_mj.gap.choice import QUIET as UNASKED
 from boom_mj.gap.subject import Push
 from boom_mj.report.colours import CORRECTED, FAINT, MEASURED, QUIET
 from boom_mj.report.diagnosis.geometry import Side, place_of, side_view
