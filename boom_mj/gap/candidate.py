@@ -86,6 +86,11 @@ def causes(kind: type[Effect], place: Location) -> set[tuple]:
     return {(name, part) for name in (kind.id, *kind.special_cases) for part in parts}
 
 
+def apart(kind: type[Effect], place: Location, effects: Sequence[Effect]) -> bool:
+    """Whether an effect at a place shares no cause with others, so that it can stand beside them."""
+    return not any(causes(kind, place) & causes(type(other), other.location) for other in effects)
+
+
 def everywhere(subject: Subject, without: Sequence[str] = ()) -> list[tuple[type[Effect], dict]]:
     """Every effect of a subject's library at every place, but for the ids left out."""
     return [(kind, place) for kind, place in subject.library() if kind.id not in without]

@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from boom_mj.effects import Effect
-from boom_mj.gap.candidate import Candidate, causes, everywhere
+from boom_mj.gap.candidate import Candidate, apart, everywhere
 from boom_mj.gap.choice import QUIET, SETTLED, Gaps, choose, solved
 from boom_mj.gap.fit import ROUGH, SHARP, START, climb, fit, settle
 from boom_mj.gap.judge import Judged, judge
@@ -106,9 +106,8 @@ def _partnered(metric: Metric, trunk: tuple[Effect, ...], without: Sequence[str]
 
 def _shared(trunk: tuple[Effect, ...], contest: Sequence[Judged]) -> list[Candidate]:
     """Effects together with the best of those that do not share a cause with them: each may stand for part of both."""
-    taken = {cause for effect in trunk for cause in causes(type(effect), effect.location)}
     alone = [j.fit.effects[0] for j in contest if len(j.fit.effects) == 1]
-    free = [effect for effect in alone if not taken & causes(type(effect), effect.location)]
+    free = [effect for effect in alone if apart(type(effect), effect.location, trunk)]
     return [Candidate((*trunk, effect)) for effect in free[:RUNNERS]]
 
 

@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from boom_mj.effects import Effect
-from boom_mj.gap.candidate import Candidate, causes
+from boom_mj.gap.candidate import Candidate, apart
 from boom_mj.gap.fit import PRIOR
 from boom_mj.gap.metric import Metric, coarsely, with_courses
 
@@ -61,8 +61,7 @@ class Signatures:
         given: tuple[Effect, ...] = (),
     ):
         self.metric, self.given = metric, given
-        taken = {cause for effect in given for cause in causes(type(effect), effect.location)}
-        free = [(kind, place) for kind, place in kinds if not taken & causes(kind, place)]
+        free = [(kind, place) for kind, place in kinds if apart(kind, place, given)]
         self.rows = [(kind, place, group) for kind, place in free for group in kind.probes(place, lines) if group]
         campaign, subject = metric.campaign, metric.campaign.subject
         probes = [kind(place, **probe) for kind, place, group in self.rows for probe in group]
