@@ -45,6 +45,11 @@ class Attempt:
     said: str
     wall: float
 
+    @property
+    def story(self) -> str:
+        """Its status and the end of what it told."""
+        return f"{self.status} {self.told[-1500:]}"
+
     def outcome(self, *culprits: str) -> str:
         """One of OUTCOMES; an error is clear if it is short, ends with a sentence, and names one of the culprits."""
         if self.status == 0:

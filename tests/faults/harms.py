@@ -1,11 +1,16 @@
-"""What happens to files: bytes that are cut off, flipped, overwritten, reversed, put in or taken out."""
+"""What happens to files: bytes cut off, flipped, overwritten, put in or taken out; other sizes, kinds and values."""
 
+import os
 from pathlib import Path
 
 import numpy as np
 from mcap.reader import make_reader
 from mcap.writer import Writer
 
+from boom_mj.logs import read_mcap, write_mcap
+from boom_mj.recording import Recording, Signal
+
+SPARSE = 2**34  # bytes of a file that is huge but takes no room
 HARMS = ("cut", "flip", "fill", "reverse", "insert", "delete")
 
 
@@ -45,3 +50,44 @@ def unprotected(path: Path) -> Path:
             writer.add_message(numbers[channel.id], message.log_time, message.data, message.publish_time)
         writer.finish()
     return bare
+
+
+def enlarge(path: Path) -> None:
+    path.write_bytes(b"")
+    os.truncate(path, SPARSE)
+
+
+def extend(path: Path) -> None:
+    os.truncate(path, SPARSE)
+
+
+def make_folder(path: Path) -> None:
+    path.unlink()
+    path.mkdir()
+
+
+def make_loop(path: Path) -> None:
+    path.unlink()
+    path.symlink_to(path.name)
+
+
+def with_value(line: str, value: str) -> str:
+    """A line of TOML with its first number replaced."""
+    key, _, rest = line.partition("=")
+    head = rest[: len(rest) - len(rest.lstrip(" ["))]
+    body = rest[len(head) :]
+    end = next((k for k, c in enumerate(body) if c in ",] #"), len(body))
+    return f"{key}={head}{value}{body[end:]}"
+
+
+def write_nan(path: Path, which: str) -> None:
+    log = read_mcap(path)
+    signals = {}
+    for name, s in log.signals.items():
+        values = np.full_like(s.values, np.nan) if which in (name, "all") else s.values
+        signals[name] = Signal(s.time, values, s.channels, s.unit, s.frame)
+    try:
+        write_mcap(Recording(log.name, log.machine, log.description, signals), path)
+    except Exception:  # NaN are refused when written: put them into the bytes
+        data = path.read_bytes()
+        path.write_bytes(data[: len(data) // 2] + np.full(64, np.nan).tobytes() + data[len(data) // 2 :])

@@ -18,7 +18,6 @@ from scipy.io import savemat
 
 CANARY = "unpickled"  # a file that appears if a pickle is loaded
 ZEROS = 2**29  # bytes of what bombs inflate to, twice what a small log may
-SPARSE = 2**34  # bytes of a file that is huge but takes no room
 
 
 class Evil:
@@ -241,3 +240,25 @@ def datasets(whole: dict) -> Iterator[tuple[str, bytes]]:
     yield "board of a billion corners", changed(chequerboard={"corners": [10**9, 10**9], "square": 0.1})
     yield "stamps that are none", changed(frames=[{**f, "stamp": float("nan")} for f in whole["frames"]])
     yield "half", changed()[:-100]
+
+
+def jsons(whole: object) -> Iterator[tuple[str, bytes]]:
+    """Documents of the wrong kind."""
+    for label, value in (("list", []), ("text", "x"), ("number", 1e400), ("nothing", None), ("no keys", {})):
+        yield label, json.dumps(value).encode()
+    yield "deep", b"[" * 200_000
+    text = json.dumps(whole)
+    for old, new in (
+        ('"effects": [', '"effects": [7, '),
+        ('"id"', '"di"'),
+        ('"class"', '"ssalc"'),
+        ('"low": 49.0', '"low": "x"'),
+        ('"gap": {', '"gap": 3, "pag": {'),
+        ('"without": [', '"without": 5, "x": ['),
+        ('"cases": {', '"cases": [], "x": {'),
+        ('"verdict": "explained"', '"verdict": []'),
+        ("50.0", "NaN"),
+        ("51.0", "Infinity"),
+    ):
+        if old in text:
+            yield f"{old} -> {new}", text.replace(old, new).encode()
