@@ -1,7 +1,7 @@
 """MuJoCo, imported whatever MUJOCO_GL says, and kept from leaving files where one works.
 
-MuJoCo refuses to be imported while MUJOCO_GL names no way to draw, even where nothing is drawn. Here it is imported
-without the variable then; who draws refuses (`cameras.studio`).
+MuJoCo refuses to be imported while MUJOCO_GL names no way to draw, or one whose library is missing, even where nothing
+is drawn. Here it is imported without the variable then; who draws refuses (`cameras.studio`).
 """
 
 import os
@@ -10,7 +10,9 @@ NAME = "MUJOCO_GL"
 
 try:
     import mujoco as mujoco
-except RuntimeError:
+except Exception:  # of several types, by what is missing
+    if NAME not in os.environ:
+        raise
     _given = os.environ.pop(NAME)
     import mujoco as mujoco
 

@@ -296,7 +296,7 @@ class Campaign:
             with self.fresh() as here:
                 done = attempt(call.split(), here, before=lambda c=change: _without(c))
                 self.count.take(name, "environment", culprit, done.outcome(culprit), [], done.story)
-        for gl in ("nonsense", "disabled"):  # read when MuJoCo is imported
+        for gl in ("nonsense", "osmesa", "disabled"):  # read when MuJoCo is imported
             done = subprocess.run(
                 [sys.executable, "-m", "boom_mj", "generate", "boom36"],
                 capture_output=True,

@@ -203,8 +203,9 @@ def test_a_simulation_that_diverges_says_when_and_where_and_keeps_its_last_state
     assert head.startswith("time_s,joint1,") and "link5_v_1_speed" in head and len(rows) == len(states.time)
 
 
-def test_commands_that_draw_nothing_need_no_opengl() -> None:
-    environment = {**os.environ, "MUJOCO_GL": "nonsense", "PYTHONPATH": str(ROOT)}
+@pytest.mark.parametrize("way", ["nonsense", "osmesa"])
+def test_commands_that_draw_nothing_need_no_opengl(way: str) -> None:
+    environment = {**os.environ, "MUJOCO_GL": way, "PYTHONPATH": str(ROOT)}
     call = [sys.executable, "-m", "boom_mj", "generate", str(ROOT / "models" / "boom36.toml")]
     done = subprocess.run(call, capture_output=True, text=True, env=environment, check=False)
     assert done.returncode == 0 and done.stdout.startswith("<mujoco"), done.stderr
