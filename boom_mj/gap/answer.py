@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from boom_mj.effects import Effect
+from boom_mj.gap.campaign import Campaign
 from boom_mj.gap.candidate import Candidate
-from boom_mj.gap.choice import QUIET
 from boom_mj.gap.diagnose import Diagnosis
 from boom_mj.gap.judge import Judged, gap
 from boom_mj.gap.metric import of_size
@@ -29,20 +29,19 @@ def document(found: Diagnosis, names: Sequence[str]) -> dict[str, Any]:
     """
     campaign, best = found.metric.campaign, found.best
     cells = locate(campaign, found.nominal)
-    after = best.fit.residual if best else found.nominal
+    after = found.residual
     gaps = {
         part: {"before": gap(found.nominal, rows), "after": gap(after, rows), "floor": 1.0}
         for part, rows in (("train", campaign.train), ("holdout", campaign.held_out))
     }
     listed = [vars(cell) for cell in cells if cell.share >= SHOWN]
     rest = 1 - sum(cell["share"] for cell in listed)
-    solved = found.verdict in ("explained", "ambiguous")
-    causes = described(found) if best else []
+    causes, certain = described(found) if best else [], found.solved or found.closure.low > MOST
     answer = {
         "verdict": found.verdict,
         "sentence": sentence(found),
-        "effects": causes if solved or found.closure.low > MOST else [],
-        "suspect": [] if solved or found.closure.low > MOST else causes,
+        "effects": causes if certain else [],
+        "suspect": [] if certain else causes,
         "rivals": [rival(found, other) for other in found.contest if other is not best][:8],
         "ties": [[_brief(j.fit.effects) for j in (best, *found.ties)]] if best and found.ties else [],
         "next_experiment": found.next_experiment,
@@ -58,7 +57,11 @@ def document(found: Diagnosis, names: Sequence[str]) -> dict[str, Any]:
         "unexplained": None,
         "provenance": {
             "machine": campaign.subject.name,
-            "recordings": {"train": list(names[: campaign.training]), "holdout": list(names[campaign.training :])},
+            "recordings": {
+                "train": list(names[: campaign.training]),
+                "holdout": list(names[campaign.training :]),
+                "learnt_in_part": [campaign.recordings[k].name for k in sorted(campaign.borrowed)],
+            },
             **campaign.subject.provenance,
             "simulated_s": campaign.simulated_s,
             "boom_mj": version("boom_mj"),
@@ -73,18 +76,9 @@ def document(found: Diagnosis, names: Sequence[str]) -> dict[str, Any]:
             "share": float(np.clip(share, 0, 1)),
             "looks_like": looks(campaign, after),
             "where": in_words(remaining),
-            "learn_from": not_learnt(found),
+            "learn_from": [campaign.recordings[k].name for k in found.not_learnt],
         }
     return _plain(answer)
-
-
-def not_learnt(found: Diagnosis) -> list[str]:
-    """Names of recordings held out with a gap that nothing learnt from has: there the best leaves none, or none is."""
-    campaign, left = found.metric.campaign, found.best.fit.residual if found.best else found.nominal
-    if campaign.split_in_time or gap(left, campaign.train) > QUIET:
-        return []
-    rows = (campaign.held_out & (campaign.recording_of == k) for k in range(len(campaign.recordings)))
-    return [log.name for log, own in zip(campaign.recordings, rows) if gap(left, own) > QUIET]
 
 
 def described(found: Diagnosis) -> list[dict[str, Any]]:
@@ -159,7 +153,7 @@ def sentence(found: Diagnosis) -> str:
     if found.verdict == "unexplained":
         leaves = f"close {found.closure.value:.0%} and leave {found.best.held_out:.1f}" if found.best else ""
         tried = f"; {found.best.label} would {leaves}" if found.best else ""
-        hidden = " and ".join(not_learnt(found))
+        hidden = " and ".join(campaign.recordings[k].name for k in found.not_learnt)
         advice = f" What was learnt from does not show all of it; learn from {hidden} as well." if hidden else ""
         return f"The gap of {before:.1f} has no explanation in the library{tried}: {where}.{advice}"
     causes = [_in_words(entry) for entry in described(found)]
@@ -169,7 +163,14 @@ def sentence(found: Diagnosis) -> str:
         text += ", and so would " + " or ".join(j.label for j in found.ties)
         if found.next_experiment:
             text += f"; {found.next_experiment} would tell them apart"
-    return f"{text}. Without it, {where}."
+    return f"{text}. Without it, {where}.{_borrowed(campaign)}"
+
+
+def _borrowed(campaign: Campaign) -> str:
+    """What was learnt from beyond the recordings for it."""
+    names = " and ".join(campaign.recordings[k].name for k in sorted(campaign.borrowed))
+    words = campaign.subject.words
+    return f" Recordings to learn from do not show it: {words.learnt} of {names} taught it as well." if names else ""
 
 
 def with_effects_text(machine_text: str, found: Diagnosis) -> str:

@@ -5,8 +5,9 @@ blocks of some samples: the noise falls. Simulations run on threads, each at mos
 """
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from threading import Lock
@@ -59,6 +60,9 @@ class Campaign:
         training: how many of them are for training; the rest is held out. With all of them for training every
             recording is split in time instead.
         threads: simulations at a time.
+
+    Attributes:
+        borrowed: indices of recordings held out whose first part is learnt from as well.
     """
 
     def __init__(
@@ -75,12 +79,31 @@ class Campaign:
         threads = threads or os.cpu_count() or 1
         self.pool = ThreadPoolExecutor(threads)
         self.kept = SHARED * len(recordings) + threads
-        self.simulated_s = 0.0
+        self.borrowed: frozenset[int] = frozenset()
+        self._simulated_s: list[float] = []
         self._futures: dict[tuple, Future[Array]] = {}  # of predictions, the latest asked for last
         self._dense: dict[tuple, Future[dict[str, Signal]]] = {}  # the latest asked for last
         self._parts: dict[tuple, Array] = {}
         self._lock = Lock()
         self.channels = tuple(channel for index in range(len(recordings)) for channel in self._channels(index))
+
+    def borrowing(self, index: int) -> "Campaign":
+        """The same recordings; of one more the first part is learnt from. What was simulated is known."""
+        other = copy(self)
+        other.borrowed = self.borrowed | {index}
+        for name in ("train", "held_out"):
+            vars(other).pop(name, None)
+        return other
+
+    @property
+    def learning(self) -> tuple[int, ...]:
+        """Indices of the recordings that are learnt from, wholly or in part."""
+        return (*range(self.training), *sorted(self.borrowed))
+
+    @property
+    def simulated_s(self) -> float:
+        """Simulated seconds so far."""
+        return sum(self._simulated_s)
 
     @property
     def split_in_time(self) -> bool:
@@ -141,10 +164,10 @@ class Campaign:
     @cached_property
     def train(self) -> Array:
         """Entries to learn from, (N,) of bool."""
-        if not self.split_in_time:
-            return self.used & (self.recording_of < self.training)
         lasts = np.array([self.duration(index) for index in range(len(self.recordings))])
-        return self.used & self.subject.learns(self.time, lasts[self.recording_of])
+        first = self.subject.learns(self.time, lasts[self.recording_of])
+        whole = (self.recording_of < self.training) & (not self.split_in_time)
+        return self.used & np.isin(self.recording_of, self.learning) & (whole | first)
 
     @cached_property
     def held_out(self) -> Array:
@@ -163,7 +186,7 @@ class Campaign:
             training_only: leave out recordings that are held out whole.
         """
         futures = self._begin(hypotheses, level, training_only)
-        return [self._stack([part.result() for part in parts]) for parts in futures]
+        return [self._stack({k: part.result() for k, part in parts.items()}) for parts in futures]
 
     def ahead(self, hypotheses: Sequence[Hypothesis], *levels: int) -> None:
         """Begin what will soon be predicted at several levels, so that no thread waits for the last of a batch."""
@@ -172,20 +195,22 @@ class Campaign:
 
     def _begin(
         self, hypotheses: Sequence[Hypothesis], level: int, training_only: bool = False
-    ) -> list[list[Future[Array]]]:
-        """Predictions of every hypothesis on every recording; the longest are simulated first."""
-        indices = range(self.training if training_only else len(self.recordings))
+    ) -> list[dict[int, Future[Array]]]:
+        """Predictions of every hypothesis by recording; the longest are simulated first."""
+        indices = self.learning if training_only else range(len(self.recordings))
         longest = sorted(indices, key=self.duration, reverse=True)  # first, so that threads end together
         alike: dict[frozenset, list[int]] = {}  # those that differ in their sensors only go together
         for number, hypothesis in enumerate(hypotheses):
             alike.setdefault(frozenset(self.subject.split(hypothesis)[0]), []).append(number)
         order = [number for numbers in alike.values() for number in numbers]
         begun = {number: {k: self.begin(hypotheses[number], level, k) for k in longest} for number in order}
-        return [[begun[number][k] for k in indices] for number in range(len(hypotheses))]
+        return [begun[number] for number in range(len(hypotheses))]
 
-    def _stack(self, parts: Sequence[Array]) -> Array:
-        vector = np.concatenate(parts)
-        return np.concatenate([vector, np.full(int(self.offsets[-1]) - len(vector), np.nan)])
+    def _stack(self, parts: Mapping[int, Array]) -> Array:
+        vector = np.full(int(self.offsets[-1]), np.nan)
+        for index, part in parts.items():
+            vector[self.recording_of == index] = part
+        return vector
 
     def begin(self, hypothesis: Hypothesis, level: int, index: int) -> Future[Array]:
         """The prediction of one recording, (n,); see `predict`."""
@@ -253,7 +278,7 @@ class Campaign:
                 future.set_exception(error)
             else:
                 with self._lock:
-                    self.simulated_s += max(signal.time[-1] for signal in signals.values())
+                    self._simulated_s.append(max(signal.time[-1] for signal in signals.values()))
                 future.set_result(signals)
         return future.result()
 

@@ -24,6 +24,11 @@ def solved(nominal: Gaps, found: Judged) -> bool:
     return all(after <= SETTLED + slack * (before - 1) for before, after in zip(nominal, found.gaps))
 
 
+def useful(found: Judged, nominal: Gaps) -> bool:
+    """Whether it takes away more of what is held out than the least that counts."""
+    return nominal[1] ** 2 - found.held_out**2 > SMALLEST
+
+
 def explains(nominal: Gaps, found: Judged, share: Closure) -> bool:
     """Whether an explanation leaves no more than that and may have closed the whole gap."""
     return solved(nominal, found) and share.high > WHOLE
@@ -38,13 +43,13 @@ def sure(metric: Metric, nominal: Array, found: Judged) -> bool:
 def choose(contest: Sequence[Judged], nominal: Gaps) -> Judged | None:
     """The best single cause, of those that suffice if any do, with few knobs, or more causes where each is worth it."""
     before = nominal[1]
-    useful = [j for j in contest if before**2 - j.held_out**2 > SMALLEST]
-    singles = [j for j in useful if len(j.fit.effects) == 1]
+    helpful = [j for j in contest if useful(j, nominal)]
+    singles = [j for j in helpful if len(j.fit.effects) == 1]
     singles = [j for j in singles if solved(nominal, j)] or singles
     best = min(singles, key=_price, default=None)
     best = _simplest(best, singles, before)
-    for size in range(2, 1 + max((len(j.fit.effects) for j in useful), default=0)):
-        best = _with_more(best, [j for j in useful if len(j.fit.effects) == size], contest, before)
+    for size in range(2, 1 + max((len(j.fit.effects) for j in helpful), default=0)):
+        best = _with_more(best, [j for j in helpful if len(j.fit.effects) == size], contest, before)
     return best
 
 

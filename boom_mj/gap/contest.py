@@ -7,7 +7,7 @@ import numpy as np
 
 from boom_mj.effects import Effect
 from boom_mj.gap.candidate import Candidate, apart, everywhere
-from boom_mj.gap.choice import QUIET, SETTLED, Gaps, choose, solved
+from boom_mj.gap.choice import QUIET, SETTLED, Gaps, choose, solved, useful
 from boom_mj.gap.fit import ROUGH, SHARP, START, climb, fit, settle
 from boom_mj.gap.judge import Judged, judge
 from boom_mj.gap.metric import Metric, anchored, around, beside, blurred, coarsely
@@ -30,9 +30,14 @@ def singles(metric: Metric, screened: Sequence[Screened], tell: Callable[[str], 
     return _fit_all(metric, [start for s in shortlist(screened) for start in s.starts])
 
 
-def refined(contest: list[Judged], nominal: Gaps, without: Sequence[str], tell: Callable[[str], None]) -> list[Judged]:
-    """A contest whose leaders are fitted again, with combinations where those do not suffice, and simplified."""
+def refined(contest: list[Judged], nominal: Gaps, tell: Callable[[str], None]) -> list[Judged]:
+    """A contest of single causes whose leaders are fitted again, and simplified where that suffices."""
     contest = _polished(contest, nominal, tell)
+    return _simpler(contest, nominal) if solved(nominal, contest[0]) else contest
+
+
+def combined(contest: list[Judged], nominal: Gaps, without: Sequence[str], tell: Callable[[str], None]) -> list[Judged]:
+    """A contest that single causes do not decide, with combinations, simplified."""
     for size in range(2, contest[0].metric.campaign.subject.causes + 1):
         if not solved(nominal, contest[0]):
             contest = _combine(contest, size, nominal, without, tell)
@@ -77,7 +82,7 @@ def _combine(
     contest: list[Judged], size: int, nominal: Gaps, without: Sequence[str], tell: Callable[[str], None]
 ) -> list[Judged]:
     """Forward, with a swap: partners for the leader, others for its best partner, then for the next leader."""
-    leaders = [j for j in contest if len(j.fit.effects) == size - 1 and j.held_out < 1 + HOPE * (nominal[1] - 1)]
+    leaders = [j for j in contest if len(j.fit.effects) == size - 1 and useful(j, nominal)]
     trunks = [(leader.metric, leader.fit.effects) for leader in leaders[:LEADERS]]
     before, first = contest[0].gaps, True
     saving = contest[0].metric.campaign.subject.swings  # where all is soon tried a tie is worth the look

@@ -9,8 +9,8 @@ from threadpoolctl import threadpool_limits
 
 from boom_mj.gap.campaign import Campaign
 from boom_mj.gap.candidate import everywhere
-from boom_mj.gap.choice import QUIET, SMALLEST, choose, explains, solved, sure, ties_with
-from boom_mj.gap.contest import refined, singles
+from boom_mj.gap.choice import QUIET, SETTLED, SMALLEST, choose, explains, solved, sure, ties_with
+from boom_mj.gap.contest import combined, refined, singles
 from boom_mj.gap.judge import Closure, Judged, closure, gap
 from boom_mj.gap.metric import Metric, make_metric
 from boom_mj.gap.screen import Screened, Signatures, spectral_lines
@@ -48,6 +48,26 @@ class Diagnosis:
     next_experiment: str | None
     metric: Metric
 
+    @property
+    def solved(self) -> bool:
+        """Whether the gap has an explanation, or several that do as well."""
+        return self.verdict in ("explained", "ambiguous")
+
+    @property
+    def residual(self) -> Array:
+        """What the explanation leaves, whitened, (N,)."""
+        return self.best.fit.residual if self.best else self.nominal
+
+    @cached_property
+    def not_learnt(self) -> dict[int, float]:
+        """Recordings held out, by index, with an unexplained gap where what is learnt from has none, and that gap."""
+        campaign = self.metric.campaign
+        if self.solved or campaign.split_in_time or gap(self.residual, campaign.train) > QUIET:
+            return {}
+        rows = (campaign.held_out & (campaign.recording_of == k) for k in range(len(campaign.recordings)))
+        left = {k: gap(self.residual, own) for k, own in enumerate(rows)}
+        return {k: size for k, size in left.items() if size > QUIET}
+
     @cached_property
     def pushes(self) -> tuple[Push, ...]:
         """What would have to push the nominal model to where the machine is."""
@@ -79,8 +99,42 @@ def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], 
     contest = []
     if max(gaps) > HEALTHY or (screened and screened[0].share * learnt**2 > PROMISE):
         contest = singles(metric, screened, tell)
-    if contest and (before > HEALTHY or before**2 - contest[0].held_out ** 2 > SMALLEST / 2):
-        contest = refined(contest, gaps, without, tell)
+    worth = contest and (before > HEALTHY or before**2 - contest[0].held_out ** 2 > SMALLEST / 2)
+    contest = refined(contest, gaps, tell) if worth else contest
+    found = _concluded(metric, nominal, screened, contest, tell)
+    other = None if found.solved else _borrowing(found, SETTLED, without, tell)
+    if worth and not other and not solved(gaps, contest[0]):
+        found = _concluded(metric, nominal, screened, combined(contest, gaps, without, tell), tell)
+        other = None if found.solved else _borrowing(found, QUIET, without, tell)
+    return other if other and other.solved else found
+
+
+def _borrowing(found: Diagnosis, quiet: float, without: Sequence[str], tell: Callable[[str], None]) -> Diagnosis | None:
+    """The diagnosis where part of a recording held out teaches what no recording to learn from shows; its rest judges.
+
+    Args:
+        quiet: what an explanation may leave of what is learnt from.
+    """
+    campaign = found.metric.campaign
+    hidden = {k: size for k, size in found.not_learnt.items() if k not in campaign.borrowed}
+    if not hidden or gap(found.residual, campaign.train) > quiet:
+        return None
+    most = max(hidden, key=hidden.__getitem__)
+    part = f"{campaign.subject.words.learnt} of {campaign.recordings[most].name}"
+    tell(f"recordings to learn from do not show the gap; learning from {part} as well")
+    return _diagnose(campaign.borrowing(most), without, tell)
+
+
+def _concluded(
+    metric: Metric,
+    nominal: Array,
+    screened: Sequence[Screened],
+    contest: Sequence[Judged],
+    tell: Callable[[str], None],
+) -> Diagnosis:
+    """What a contest says."""
+    campaign = metric.campaign
+    gaps = _, before = gap(nominal, campaign.train), gap(nominal, campaign.held_out)
     best = choose(contest, gaps)
     if best and before <= QUIET and not sure(metric, nominal, best):
         best = None

@@ -177,8 +177,9 @@ def with_courses(metric: Metric, effects: Hypothesis, training_only: bool = Fals
         return metric
     plain = replace(metric, blur=None, courses=None)
     residual = plain.clean(plain.residual(*plain.predict([effects], training_only)))
-    count = metric.campaign.training if training_only else len(metric.campaign.recordings)
-    found = courses_of(metric.campaign, effects, plain.whitened, residual, range(count))
+    campaign = metric.campaign
+    recordings = campaign.learning if training_only else range(len(campaign.recordings))
+    found = courses_of(campaign, effects, plain.whitened, residual, recordings)
     return replace(metric, courses=found)
 
 

@@ -132,7 +132,7 @@ def spectral_lines(metric: Metric, residual: Array, count: int = LINES) -> list[
     campaign, total = metric.campaign, None
     grid = np.arange(0.1, 3.0, 0.005)
     for number, channel in enumerate(campaign.channels):
-        if channel.signal == campaign.subject.listening and channel.recording < campaign.training:
+        if channel.signal == campaign.subject.listening and channel.recording in campaign.learning:
             part = residual[campaign.stretch(number)]
             part = part - part.mean()
             phase = np.exp(-2j * np.pi * grid[:, None] * channel.time[None, :])

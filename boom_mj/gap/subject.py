@@ -210,7 +210,7 @@ class Subject(ABC):
 
     @abstractmethod
     def learns(self, time: Array, lasts: Array) -> Array:
-        """What to learn from where no whole recording is held out, (n,) of bool.
+        """What to learn from in a recording that is not learnt from as a whole, (n,) of bool.
 
         Args:
             time: from the recording's start, (n,), s.

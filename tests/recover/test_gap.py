@@ -36,10 +36,11 @@ def record(name: str, effects: tuple[Effect, ...], seed: int) -> Recording:
 
 
 @cache
-def diagnosis(planted: str, without: tuple[str, ...] = ()) -> Diagnosis:
+def diagnosis(planted: str, without: tuple[str, ...] = (), names: tuple[str, ...] = (*TRAIN, *HELD_OUT)) -> Diagnosis:
+    """Of recordings by these names, of which those in TRAIN are learnt from."""
     effects = tuple(parse_effect(text) for text in planted.split(";") if text)
-    recordings = [record(name, effects, seed) for seed, name in enumerate((*TRAIN, *HELD_OUT))]
-    return diagnose(Campaign(BOOM, recordings, len(TRAIN)), without)
+    recordings = [record(name, effects, seed) for seed, name in enumerate(names)]
+    return diagnose(Campaign(BOOM, recordings, sum(name in TRAIN for name in names)), without)
 
 
 def test_a_healthy_machine_is_consistent() -> None:
@@ -90,6 +91,18 @@ def test_where_it_lies() -> None:
     first = cells[0]
     assert (first.sensor, first.link, first.direction, first.band) == ("accelerometer", "link4", "y", "static")
     assert found.best is not None and found.best.fit.candidate.places == (("imu_bias", (("link", 4),)),)
+
+
+def test_what_no_recording_to_learn_from_shows_is_learnt_from_a_part_of_one_held_out() -> None:
+    """A release to the side turns the slewing gear, one upwards does not; the rest and the other one judge."""
+    sideways = ("release_bow_horizontal", "release_stretched_horizontal")
+    found = diagnosis("slew_compliance:stiffness=1e8", (), ("release_bow_vertical", *sideways))
+    answer = document(found, ("release_bow_vertical", *sideways))
+    assert [effect["id"] for effect in answer["effects"]] == ["slew_compliance"], answer["sentence"]
+    assert answer["verdict"] == "explained" and answer["gap"]["closure"] > 0.9
+    (taught,) = answer["provenance"]["recordings"]["learnt_in_part"]
+    assert taught in sideways
+    assert answer["effects"][0]["parameters"]["stiffness"]["value"] == pytest.approx(1e8, rel=0.05)
 
 
 def test_a_backlash_is_looked_for_along_a_ladder() -> None:

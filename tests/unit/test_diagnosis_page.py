@@ -11,7 +11,7 @@ import pytest
 
 from boom_mj.effects import make_effect
 from boom_mj.gap import Campaign, Diagnosis
-from boom_mj.gap.answer import not_learnt, sentence
+from boom_mj.gap.answer import document, sentence
 from boom_mj.gap.boom import tolerances
 from boom_mj.gap.candidate import Candidate
 from boom_mj.gap.choice import explains
@@ -234,11 +234,24 @@ def test_words(said: object, text: object) -> None:
 
 def test_what_only_recordings_held_out_show_is_to_be_learnt_from() -> None:
     found = diagnosis(VERDICTS[-1])
-    assert not_learnt(found) == []
+    assert not found.not_learnt
     campaign = found.metric.campaign
     hidden = replace(found, nominal=np.where(campaign.train, residual(found.metric, 1.0), found.nominal))
-    name = campaign.recordings[-1].name
-    assert not_learnt(hidden) == [name] and f"learn from {name} as well" in sentence(hidden)
+    (index,) = hidden.not_learnt
+    name = campaign.recordings[index].name
+    assert index == 2 and f"learn from {name} as well" in sentence(hidden)
+
+
+def test_a_part_of_a_recording_held_out_that_taught_as_well_is_told() -> None:
+    m = metric(1)
+    found = diagnosis("explained", 1)
+    assert "taught" not in sentence(found)
+    found = replace(found, metric=replace(m, campaign=m.campaign.borrowing(2)))
+    answer = document(found, NAMES)
+    assert answer["provenance"]["recordings"]["learnt_in_part"] == [HOSTILE]
+    assert f"the first 60% of {HOSTILE} taught it as well" in sentence(found)
+    parts = [View(found, NAMES, answer).part(k) for k in range(3)]
+    assert parts == ["training", "held out", "training: the first 60\N{NO-BREAK SPACE}%; the rest held out"]
 
 
 def test_what_surely_leaves_some_of_a_small_gap_is_no_explanation() -> None:

@@ -133,7 +133,7 @@ class View:
 
     def part(self, index: int) -> str:
         """What a recording was used for."""
-        if self.campaign.split_in_time:
+        if self.campaign.split_in_time or index in self.campaign.borrowed:
             return f"training: {self.subject.words.learnt.replace('%', f'{SPACE}%')}; the rest held out"
         return "training" if index < self.campaign.training else "held out"
 
