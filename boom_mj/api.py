@@ -119,7 +119,8 @@ def diagnose(
     Args:
         machine: nominal; a file, or a name such as "boom36".
         train: recordings, or files of them, to learn from.
-        holdout: the same, to judge by; without any, the recordings are split in time.
+        holdout: the same, to judge by; the first part of one is learnt from if no other recording shows its gap.
+            Without any, the recordings are split in time.
         without: ids of effects that are withheld from the library.
         tell: hears one line per stage, such as `print`.
 

@@ -68,7 +68,10 @@ def diagnose(
     logs: Annotated[list[Path], typer.Argument(metavar="LOGS...", help="Logs to learn from.")],
     holdout: Annotated[
         list[Path] | None,
-        typer.Option(metavar="LOGS...", help="Logs to judge by; without any, logs are split in time."),
+        typer.Option(
+            metavar="LOGS...",
+            help="Logs to judge by (one's rest if its start must be learnt from); without any, logs are split in time.",
+        ),
     ] = None,
     machine: Annotated[str | None, typer.Option(help="Machine file or name; the logs' own if left out.")] = None,
     as_json: Annotated[str | None, typer.Option("--json", metavar="FILE", help="Answer as JSON; - for stdout.")] = None,
