@@ -200,7 +200,7 @@ def twins(found: Diagnosis, corrected: bool) -> list[dict[str, Array]]:
     """
     campaign = found.metric.campaign
     effects = (*estimated_tolerances(found), *(found.best.fit.effects if corrected and found.best else ()))
-    level = campaign.subject.fidelity.middle
+    level = campaign.subject.fidelity.shown
     return [campaign.twin(effects, level, index) for index in range(len(campaign.recordings))]
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from boom_mj.effects import AngleEffect, Effect, SignalEffect, effect_library, effects_of, make_effect
 from boom_mj.gap.next_experiment import next_experiment
 from boom_mj.gap.push import pushes
-from boom_mj.gap.subject import Fidelity, Hypothesis, Push, Subject, Tolerance, Words
+from boom_mj.gap.subject import Check, Fidelity, Hypothesis, Level, Push, Subject, Tolerance, Words
 from boom_mj.machine import Machine
 from boom_mj.mjcf import BoomModel, build
 from boom_mj.recording import Recording, Signal
@@ -22,14 +22,9 @@ if TYPE_CHECKING:
     from boom_mj.gap.metric import Metric
 
 Array = np.ndarray
-# hinges: of screening, of all other differences, of what they are added to, of the fidelity check
-ROUGH, COARSE, HINGES, FINE = 1, 2, 4, 6
-ORDER = 2  # of convergence in the number of hinges
-PACE = {
-    ROUGH: 2.0,
-    COARSE: 2.0,
-    FINE: (HINGES / FINE) ** 2,
-}  # of the plant's own step: errors of step and hinges fall alike
+ROUGH, COARSE, MIDDLE = (Level(2.0, hinges) for hinges in (1, 2, 4))
+FINE, SHARP = Level(2.0, 6), Level(1.0, 4)  # more hinges, half the step
+REFINED = 1 / (1 - (MIDDLE.hinges / FINE.hinges) ** 2)  # of second order in the hinges, of first in the step
 KEPT = 24  # compiled plants
 STIFFNESS = {"v": 0.005, "w": 0.005, "torsion": 0.01}  # of all links
 PLATES = 0.003  # of the stiffness of a single link
@@ -78,7 +73,9 @@ class Boom(Subject):
 
     block, window, still = BLOCK, 5.0, MOVING
     bands = (("static", 0.2), ("first mode", 0.8), ("second mode", 2.5), ("above", np.inf))
-    fidelity = Fidelity(ROUGH, COARSE, HINGES, FINE, 1 - (HINGES / FINE) ** ORDER, alike=0.5)
+    fidelity = Fidelity(
+        ROUGH, COARSE, MIDDLE, (Check(FINE, REFINED, REFINED), Check(SHARP, 2.0, 1.0)), SHARP, alike=0.5
+    )
     causes, slack, worth, spill = 2, 0.005, 0.5, 0.01
     words = Words(
         phases=("hold", "start", "move", "slew", "reversal", "after motion", "after release"),
@@ -93,7 +90,7 @@ class Boom(Subject):
     def __init__(self, machine: Machine) -> None:
         self.machine = machine
         self.levels = noise_levels(machine)
-        self._booms: dict[int, BoomModel] = {}
+        self._booms: dict[Level, BoomModel] = {}
         self._plants: dict[tuple, Plant] = {}
         self._driven: dict[tuple[int, int], tuple[Array, Array]] = {}
         self._compiling = Lock()
@@ -104,7 +101,7 @@ class Boom(Subject):
 
     @property
     def provenance(self) -> Mapping[str, Any]:
-        return {"hinges": {"contest": HINGES, "fidelity": FINE}}
+        return {"hinges": {"contest": MIDDLE.hinges, "fidelity": FINE.hinges}}
 
     def library(self) -> list[tuple[type[Effect], dict]]:
         kinds = (kind for kind in effect_library().values() if kind.id != NUISANCE)
@@ -125,7 +122,7 @@ class Boom(Subject):
         sensing = tuple(e for e in hypothesis if isinstance(e, SignalEffect))
         return tuple(e for e in hypothesis if not isinstance(e, SignalEffect)), sensing
 
-    def simulate(self, hypothesis: Hypothesis, level: int, index: int, log: Recording) -> dict[str, Signal]:
+    def simulate(self, hypothesis: Hypothesis, level: Level, index: int, log: Recording) -> dict[str, Signal]:
         hypothesis = (*effects_of(self.machine), *hypothesis)
         plant = self._plant(hypothesis, level)
         steps = step_times(plant, self.clock(log)[1])
@@ -199,17 +196,17 @@ class Boom(Subject):
                 column[rows] += metric.columns[rows, joint] / deviation * at / OFFSET_STEP
         return metric.white(column)
 
-    def _plant(self, hypothesis: Hypothesis, hinges: int) -> Plant:
+    def _plant(self, hypothesis: Hypothesis, level: Level) -> Plant:
         """The compiled model of a hypothesis; the last few are kept, for its other recordings."""
-        key = (frozenset(hypothesis), hinges)
+        key = (frozenset(hypothesis), level)
         with self._compiling:
-            if hinges not in self._booms:
-                self._booms[hinges] = build(self.machine, hinges)
-                self._booms[hinges].spec.option.timestep *= PACE.get(hinges, 1.0)
+            if level not in self._booms:
+                self._booms[level] = build(self.machine, level.hinges)
+                self._booms[level].spec.option.timestep *= level.step
             if key not in self._plants:
                 while len(self._plants) >= KEPT:
                     self._plants.pop(next(iter(self._plants)))
-                self._plants[key] = plant = with_effects(self._booms[hinges], hypothesis)
+                self._plants[key] = plant = with_effects(self._booms[level], hypothesis)
                 while not plant.stable(np.zeros(plant.model.nq)):
                     plant.model.opt.timestep /= 2
             plant = self._plants[key]

@@ -16,7 +16,7 @@ import numpy as np
 
 from boom_mj.errors import BoomError, LogError
 from boom_mj.gap.boom import Boom
-from boom_mj.gap.subject import Hypothesis, Subject
+from boom_mj.gap.subject import Hypothesis, Level, Subject
 from boom_mj.machine import Machine
 from boom_mj.recording import Recording, Signal
 from boom_mj.sensors import sample
@@ -178,7 +178,7 @@ class Campaign:
         """Of a recording, s."""
         return self.subject.clock(self.recordings[index])[1]
 
-    def predict(self, hypotheses: Sequence[Hypothesis], level: int, training_only: bool = False) -> list[Array]:
+    def predict(self, hypotheses: Sequence[Hypothesis], level: Level, training_only: bool = False) -> list[Array]:
         """The long vector of every hypothesis, (N,) each; NaN where not asked for, or where MuJoCo left the numbers.
 
         Args:
@@ -188,13 +188,13 @@ class Campaign:
         futures = self._begin(hypotheses, level, training_only)
         return [self._stack({k: part.result() for k, part in parts.items()}) for parts in futures]
 
-    def ahead(self, hypotheses: Sequence[Hypothesis], *levels: int) -> None:
+    def ahead(self, hypotheses: Sequence[Hypothesis], *levels: Level) -> None:
         """Begin what will soon be predicted at several levels, so that no thread waits for the last of a batch."""
         for level in levels:
             self._begin(hypotheses, level)
 
     def _begin(
-        self, hypotheses: Sequence[Hypothesis], level: int, training_only: bool = False
+        self, hypotheses: Sequence[Hypothesis], level: Level, training_only: bool = False
     ) -> list[dict[int, Future[Array]]]:
         """Predictions of every hypothesis by recording; the longest are simulated first."""
         indices = self.learning if training_only else range(len(self.recordings))
@@ -212,7 +212,7 @@ class Campaign:
             vector[self.recording_of == index] = part
         return vector
 
-    def begin(self, hypothesis: Hypothesis, level: int, index: int) -> Future[Array]:
+    def begin(self, hypothesis: Hypothesis, level: Level, index: int) -> Future[Array]:
         """The prediction of one recording, (n,); see `predict`."""
         key = (frozenset(hypothesis), level, index)
         with self._lock:
@@ -222,7 +222,7 @@ class Campaign:
                 del self._futures[next(iter(self._futures))]
             return future
 
-    def _block_means(self, hypothesis: Hypothesis, level: int, index: int) -> Array:
+    def _block_means(self, hypothesis: Hypothesis, level: Level, index: int) -> Array:
         channels = [channel for channel in self.channels if channel.recording == index]
         try:
             dense, signals = self._signals(hypothesis, level, index)
@@ -246,7 +246,7 @@ class Campaign:
             self._parts[key] = means
         return means
 
-    def twin(self, hypothesis: Hypothesis, level: int, index: int) -> dict[str, Array]:
+    def twin(self, hypothesis: Hypothesis, level: Level, index: int) -> dict[str, Array]:
         """What the sensors of a hypothesis would have said, by signal, at the log's own times, (n, k) each.
 
         Raises:
@@ -256,13 +256,13 @@ class Campaign:
         log = self.recordings[index]
         return {name: sample(signals[name], self._elapsed(index, name)) for name in signals if name in log}
 
-    def _signals(self, hypothesis: Hypothesis, level: int, index: int) -> tuple[dict[str, Signal], dict[str, Signal]]:
+    def _signals(self, hypothesis: Hypothesis, level: Level, index: int) -> tuple[dict[str, Signal], dict[str, Signal]]:
         """Densely sampled signals of healthy sensors, and of those of the hypothesis."""
         simulated, sensing = self.subject.split(hypothesis)
         dense = self._dense_signals(simulated, level, index)
         return dense, self.subject.altered(sensing, dense)
 
-    def _dense_signals(self, hypothesis: Hypothesis, level: int, index: int) -> dict[str, Signal]:
+    def _dense_signals(self, hypothesis: Hypothesis, level: Level, index: int) -> dict[str, Signal]:
         """Simulated once, whoever else asks meanwhile; those of the nominal machine stay, others for a while."""
         key = (frozenset(hypothesis), level, index)
         with self._lock:

@@ -25,7 +25,7 @@ from scipy.optimize import lsq_linear
 from boom_mj.effects import Effect
 from boom_mj.gap.campaign import Campaign
 from boom_mj.gap.course import NONE, Courses, courses_of
-from boom_mj.gap.subject import Hypothesis, Tolerance
+from boom_mj.gap.subject import Hypothesis, Level, Tolerance
 
 Array = np.ndarray
 LIMIT = 2.5  # prior deviations: what goes further is no tolerance but a cause
@@ -46,6 +46,7 @@ class Metric:
         level: of fidelity at which changes of that machine are simulated.
         base: prediction of its simulation at the middle level less what those nuisances do in it, linearly, (N,).
         mean_error: what a finer model would add to it, (N,).
+        doubt: that of which a share may be wrong, (N,).
         weight: 1 / sqrt(v), 0 where nothing was measured, (N,).
         columns: what nuisances change per prior deviation, (N, m).
         nuisances: what they are.
@@ -56,9 +57,10 @@ class Metric:
     campaign: Campaign
     effects: Hypothesis
     individual: Hypothesis
-    level: int
+    level: Level
     base: Array
     mean_error: Array
+    doubt: Array
     weight: Array
     columns: Array
     nuisances: tuple[Tolerance, ...]
@@ -83,7 +85,7 @@ class Metric:
     @cached_property
     def _error(self) -> tuple[Array, Array]:
         """The scaled error that may be all along a channel, (N,), and how much of it counts as such, (channels,)."""
-        error = self.campaign.subject.fidelity.alike * self.mean_error * self.weight
+        error = self.campaign.subject.fidelity.alike * self.doubt * self.weight
         square = np.bincount(self.campaign.channel_of, error**2, len(self.campaign.channels))
         return error, (1 - 1 / np.sqrt(1 + square)) / np.maximum(square, 1e-12)
 
@@ -143,7 +145,7 @@ class Metric:
 def make_metric(campaign: Campaign) -> Metric:
     """Simulate the healthy machine at several fidelities and with every tolerance."""
     nuisances, fidelity = campaign.subject.tolerances(), campaign.subject.fidelity
-    campaign.ahead([()], fidelity.fine, fidelity.middle)
+    campaign.ahead([()], *(check.level for check in fidelity.checks), fidelity.middle)
     level = fidelity.coarse
     coarse, *shifted = campaign.predict([(), *(t.hypothesis for t in nuisances)], level)
     columns = [(s - coarse) * t.deviation for s, t in zip(shifted, nuisances)]
@@ -214,7 +216,7 @@ def around(metric: Metric, effects: Hypothesis, estimate: Array) -> Metric:
     campaign, kept = metric.campaign, anchored(metric, effects, estimate)
     nuisances = tuple(t.beside(effects) for t in campaign.subject.tolerances())
     whole, moving = (*effects, *kept.individual), [t for t in nuisances if not t.still]
-    campaign.ahead([whole], campaign.subject.fidelity.fine)
+    campaign.ahead([whole], *(check.level for check in campaign.subject.fidelity.checks))
     coarse = [whole, *((*whole, *t.hypothesis) for t in moving)]
     base, *shifted = campaign.predict(coarse, campaign.subject.fidelity.coarse)
     found = iter([(prediction - base) * t.deviation for prediction, t in zip(shifted, moving)])
@@ -241,19 +243,22 @@ def of_size(nuisances: Sequence[Tolerance], estimate: Array) -> Hypothesis:
 def _weigh(
     campaign: Campaign,
     about: tuple[Hypothesis, Hypothesis, tuple[Tolerance, ...]],
-    level: int,
+    level: Level,
     columns: Sequence[Array],
     estimate: Array,
 ) -> Metric:
     """The metric about a machine (effects, individual, nuisances) from its columns, without NaN."""
     (effects, individual, nuisances), fidelity = about, campaign.subject.fidelity
-    fine, base = (campaign.predict([(*effects, *individual)], at)[0] for at in (fidelity.fine, fidelity.middle))
-    refinement = (fine - base) / fidelity.shrunk
-    variance = campaign.noise**2 + (LEFT * _carried(campaign, np.abs(refinement))) ** 2
+    levels = fidelity.middle, *(check.level for check in fidelity.checks)
+    base, *finer = (campaign.predict([(*effects, *individual)], at)[0] for at in levels)
+    changes = np.nan_to_num([found - base for found in finer])
+    missing = np.array([check.missing for check in fidelity.checks]) @ changes
+    doubt = np.array([check.doubtful for check in fidelity.checks]) @ changes
+    variance = campaign.noise**2 + (LEFT * _carried(campaign, np.abs(doubt))) ** 2
     weight = np.where(campaign.used, 1 / np.sqrt(np.where(campaign.used, variance, 1.0)), 0.0)
     clean = np.array([np.nan_to_num(column) for column in columns]).reshape(len(columns), len(weight)).T
     base = base - clean @ estimate
-    return Metric(campaign, effects, individual, level, base, np.nan_to_num(refinement), weight, clean, nuisances)
+    return Metric(campaign, effects, individual, level, base, missing, doubt, weight, clean, nuisances)
 
 
 def _carried(campaign: Campaign, size: Array) -> Array:

@@ -7,7 +7,7 @@ one (`boom.py`), an MJCF file with a channel map is another (`mjcf/`).
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -40,24 +40,50 @@ class Tolerance:
         return replace(self, hypothesis=tuple(e for e in self.hypothesis if e.cause not in causes))
 
 
+class Level(NamedTuple):
+    """How finely a machine is simulated.
+
+    Attributes:
+        step: of integration, in steps of the model.
+        hinges: per elastic coordinate, where that is a choice.
+    """
+
+    step: float
+    hinges: int = 1
+
+
+@dataclass(frozen=True)
+class Check:
+    """A finer level in one respect: what it says otherwise than the middle one tells how wrong that one is.
+
+    Attributes:
+        missing: what must be added to the middle level, in terms of that difference.
+        doubtful: in the same terms, that of which a share may be wrong.
+    """
+
+    level: Level
+    missing: float
+    doubtful: float
+
+
 @dataclass(frozen=True)
 class Fidelity:
-    """Levels of a model's fidelity, as its subject counts them (hinges, divisions of a step).
+    """Levels at which a machine is simulated.
 
     Attributes:
         rough: of screening, and of where fits start.
         coarse: of nuisances and the contest.
         middle: of the base of all predictions.
-        fine: of the check.
-        shrunk: share of the middle level's error that going to the fine one takes away, 0 to 1.
-        alike: share of what is left to extrapolate that may be wrong alike all along a channel.
+        checks: what they find missing adds up.
+        shown: of twins.
+        alike: share of what is doubtful that may be wrong alike all along a channel.
     """
 
-    rough: int
-    coarse: int
-    middle: int
-    fine: int
-    shrunk: float
+    rough: Level
+    coarse: Level
+    middle: Level
+    checks: tuple[Check, ...]
+    shown: Level
     alike: float = 0.0
 
 
@@ -161,7 +187,7 @@ class Subject(ABC):
         """Effects that must be simulated, and those that alter simulated signals afterwards."""
 
     @abstractmethod
-    def simulate(self, hypothesis: Hypothesis, level: int, index: int, log: Recording) -> dict[str, Signal]:
+    def simulate(self, hypothesis: Hypothesis, level: Level, index: int, log: Recording) -> dict[str, Signal]:
         """Densely sampled ideal signals, by name, times from 0; called by several threads at a time.
 
         Args:

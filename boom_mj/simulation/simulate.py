@@ -7,6 +7,7 @@ What the servo exerts beyond accelerating A is the drive torque.
 
 from copy import copy
 from dataclasses import dataclass
+from functools import cached_property
 
 import mujoco
 import numpy as np
@@ -33,7 +34,6 @@ class Trajectory:
         plant: what moved.
         time: (n,), s.
         joints: q1..q5, (n, 5), rad.
-        ritz: elastic Ritz coordinates, (n, 12), rad and m.
         qpos: (n, nq).
         qvel: centred at `time` - the integrator's own lie half a step earlier -, (n, nv).
         joint_torque: drive torques, (n, 5), N m.
@@ -44,7 +44,6 @@ class Trajectory:
     plant: Plant
     time: Array
     joints: Array
-    ritz: Array
     qpos: Array
     qvel: Array
     joint_torque: Array
@@ -55,6 +54,11 @@ class Trajectory:
         """One sensor of the model, (n, dim)."""
         sensor = self.plant.model.sensor(name)
         return self.sensordata[:, sensor.adr[0] : sensor.adr[0] + sensor.dim[0]]
+
+    @cached_property
+    def ritz(self) -> Array:
+        """Elastic Ritz coordinates, (n, 12), rad and m."""
+        return self.qpos @ self.plant.ritz.T
 
     @property
     def cylinder_force(self) -> Array:
@@ -146,7 +150,6 @@ def run(plant: Plant, angles: Array, tip_force: Array) -> Trajectory:
         plant=plant,
         time=step * np.arange(len(angles)),
         joints=qpos[0, :-1, plant.joints].T,
-        ritz=qpos[0, :-1] @ plant.ritz.T,
         qpos=qpos[0, :-1],
         qvel=(qvel[0, :-1] + qvel[0, 1:]) / 2,
         joint_torque=torque,

@@ -10,6 +10,7 @@ from boom_mj.effects import make_effect
 from boom_mj.gap import Campaign
 from boom_mj.gap.metric import Metric
 from boom_mj.gap.push import pushes
+from boom_mj.gap.subject import Level
 from boom_mj.logs import read_log
 from boom_mj.machine import load_machine
 from boom_mj.recording import window
@@ -18,7 +19,7 @@ from boom_mj.simulation import make_plant
 ROOT = Path(__file__).parents[2]
 BOOM = load_machine(ROOT / "models" / "boom36.toml")
 MASS = 20.0  # kg
-ONE = 1  # hinge per coordinate, as the forces are told
+ONE = Level(1.0)  # one hinge per coordinate, as the forces are told
 
 
 def test_a_payload_asks_for_its_weight():
@@ -27,7 +28,7 @@ def test_a_payload_asks_for_its_weight():
     campaign = Campaign(BOOM, [held], 1, threads=1)
     heavy, plain = campaign.predict([(make_effect("tip_payload", {"mass": MASS}),), ()], ONE)
     weight = np.where(campaign.used, 1 / campaign.noise, 0.0)
-    metric = Metric(campaign, (), (), ONE, plain, 0 * plain, weight, np.zeros((len(plain), 0)), ())
+    metric = Metric(campaign, (), (), ONE, plain, 0 * plain, 0 * plain, weight, np.zeros((len(plain), 0)), ())
     found = {(p.part, p.direction): p for p in pushes(BOOM, metric, metric.white(heavy - plain))}
 
     plant = make_plant(BOOM, 1)

@@ -11,6 +11,7 @@ from boom_mj.effects import Effect
 from boom_mj.effects.general_effect import SpecEffect, general_library
 from boom_mj.gap import Campaign
 from boom_mj.gap.mjcf import Robot, robot_campaign
+from boom_mj.gap.subject import Level
 
 ARM = """
 <mujoco model="arm">
@@ -91,7 +92,7 @@ def called(kind: type[Effect], place: dict) -> str:
 
 
 def predicted(*effects: Effect) -> np.ndarray:
-    return campaign().predict([effects], 1)[0]
+    return campaign().predict([effects], Level(1.0))[0]
 
 
 @cache

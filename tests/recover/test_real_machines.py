@@ -50,7 +50,7 @@ def sizes(found: dict[str, Any], name: str) -> dict[str, float]:
 def test_maps_fit_their_models_and_logs(name: str) -> None:
     """Every set is simulated from its nominal model; its gap is there to be explained."""
     campaign = robot_campaign([log(LOGS[name])], [], map_of(name))
-    (nominal,) = campaign.predict([()], 1, training_only=True)
+    (nominal,) = campaign.predict([()], campaign.subject.fidelity.middle, training_only=True)
     misses = ((campaign.measured - nominal) / campaign.noise)[campaign.train]
     assert 1 < float((misses**2).mean() ** 0.5) < 1e3
     assert {channel.signal for channel in campaign.channels} == {

@@ -72,8 +72,8 @@ def test_strangers_compile_into_a_machine_that_stands(kind: type) -> None:
 
 
 def test_the_true_plant_is_not_the_diagnosing_model() -> None:
-    plant, own = true_plant(BOOM, ()), build(BOOM, FINE).compile()
-    assert HINGES > FINE and plant.model.nv > own.nv
+    plant, own = true_plant(BOOM, ()), build(BOOM, FINE.hinges).compile()
+    assert FINE.hinges < HINGES and plant.model.nv > own.nv
     assert plant.model.opt.integrator != own.opt.integrator
     assert plant.model.opt.timestep < 0.5 * own.opt.timestep
 

@@ -16,13 +16,13 @@ from boom_mj.gap.mjcf.checking import check
 from boom_mj.gap.mjcf.places import places_of
 from boom_mj.gap.mjcf.simulation import Course, Run, drivable, simulate
 from boom_mj.gap.mjcf.stretches import smoothed
-from boom_mj.gap.subject import Band, Fidelity, Hypothesis, Push, Subject, Tolerance, Words
+from boom_mj.gap.subject import Band, Check, Fidelity, Hypothesis, Level, Push, Subject, Tolerance, Words
 from boom_mj.recording import Recording, Signal
 
 Array = np.ndarray
 KEPT = 24  # compiled models
 STILL = 0.02  # of a joint's fastest speed in a stretch
-BASE, FINE = 1, 2  # divisions of the model's step: the integrators are of first order in it
+BASE, FINE = Level(1.0), Level(0.5)
 
 
 class Robot(Subject):
@@ -35,7 +35,7 @@ class Robot(Subject):
         noise: per sample, by compared channel.
     """
 
-    fidelity = Fidelity(BASE, BASE, BASE, FINE, 0.5)
+    fidelity = Fidelity(BASE, BASE, BASE, (Check(FINE, 2.0, 2.0),), BASE)  # integrators are of first order in the step
     slack, worth, spill = 0.02, 0.2, 0.0
 
     def __init__(
@@ -99,7 +99,7 @@ class Robot(Subject):
         sensing = tuple(e for e in hypothesis if isinstance(e, ChannelEffect) and self._compared(e))
         return tuple(e for e in hypothesis if e not in sensing), sensing
 
-    def simulate(self, hypothesis: Hypothesis, level: int, index: int, log: Recording) -> dict[str, Signal]:
+    def simulate(self, hypothesis: Hypothesis, level: Level, index: int, log: Recording) -> dict[str, Signal]:
         run, found = self.run(hypothesis, level, log), {}
         for entry in self.channels.role("compare"):
             said = self._said(entry, run, hypothesis)
@@ -167,7 +167,7 @@ class Robot(Subject):
     def shortcut(self, probe: Effect, metric: Metric) -> Array | None:
         return None
 
-    def run(self, hypothesis: Hypothesis, level: int, log: Recording) -> Run:
+    def run(self, hypothesis: Hypothesis, level: Level, log: Recording) -> Run:
         """A stretch under effects; those of compared channels are left to `altered`."""
         model = self._model(hypothesis, level)
         begin, duration = self.clock(log)
@@ -236,7 +236,7 @@ class Robot(Subject):
         """Nominal, as it is simulated."""
         return self._model((), BASE)
 
-    def _model(self, hypothesis: Hypothesis, level: int) -> mujoco.MjModel:
+    def _model(self, hypothesis: Hypothesis, level: Level) -> mujoco.MjModel:
         editing = tuple(e for e in hypothesis if isinstance(e, SpecEffect))
         hands = self._by_hand(hypothesis)
         key = (frozenset(editing), hands, level)
@@ -245,7 +245,7 @@ class Robot(Subject):
                 while len(self._models) >= KEPT:
                     self._models.pop(next(iter(self._models)))
                 spec = self.spec.copy()
-                spec.option.timestep /= level
+                spec.option.timestep *= level.step
                 for effect in editing:
                     try:
                         effect.edit(spec)
