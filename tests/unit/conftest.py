@@ -26,4 +26,5 @@ def metric() -> Metric:
     weight = np.where(campaign.used, 1 / campaign.noise, 0.0)
     error = 3 * rng.standard_normal(len(weight)) * campaign.noise
     columns = rng.standard_normal((len(weight), len(tolerances())))
-    return Metric(campaign, (), (), 2, np.zeros(len(weight)), error, weight, columns, tolerances())
+    level, base = campaign.subject.fidelity.coarse, np.zeros(len(weight))
+    return Metric(campaign, (), (), level, base, error, error, weight, columns, tolerances())

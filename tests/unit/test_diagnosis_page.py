@@ -59,8 +59,8 @@ def metric(training: int) -> Metric:
     """Noise alone, without nuisances."""
     c, nuisances = campaign(training), tolerances()
     weight = np.where(c.used, 1 / c.noise, 0.0)
-    columns = np.zeros((len(weight), len(nuisances)))
-    return Metric(c, (), (), 2, np.nan_to_num(c.measured), 0 * weight, weight, columns, nuisances)
+    level, base, none = c.subject.fidelity.coarse, np.nan_to_num(c.measured), np.zeros(len(weight))
+    return Metric(c, (), (), level, base, none, none, weight, np.zeros((len(weight), len(nuisances))), nuisances)
 
 
 def residual(m: Metric, size: float) -> np.ndarray:
