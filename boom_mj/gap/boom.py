@@ -1,6 +1,7 @@
 """The boom as a subject of diagnosis: its logged joint angles drive the model, its other sensors are compared."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from threading import Lock
 from typing import TYPE_CHECKING, Any
 
@@ -182,19 +183,8 @@ class Boom(Subject):
     def learns(self, time: Array, lasts: Array) -> Array:
         return time < LEARNT * lasts
 
-    def shortcut(self, probe: Effect, metric: "Metric") -> Array | None:
-        """An angle error moves the boom as a zero offset of its size at that moment would."""
-        if not isinstance(probe, AngleEffect):
-            return None
-        campaign, column = metric.campaign, np.zeros(len(metric.base))
-        for index, log in enumerate(campaign.recordings):
-            joints, rows = log[DRIVE], campaign.recording_of == index
-            errors = probe.error(joints.values)
-            for joint in np.flatnonzero(np.abs(errors).max(axis=0)):
-                at = np.interp(campaign.time[rows] + joints.time[0], joints.time, errors[:, joint])
-                deviation = metric.nuisances[joint].deviation
-                column[rows] += metric.columns[rows, joint] / deviation * at / OFFSET_STEP
-        return metric.white(column)
+    def shortcut(self, probe: Effect) -> Callable[["Metric"], Array] | None:
+        return partial(_moved_by, probe) if isinstance(probe, AngleEffect) else None
 
     def _plant(self, hypothesis: Hypothesis, level: Level) -> Plant:
         """The compiled model of a hypothesis; the last few are kept, for its other recordings."""
@@ -232,3 +222,16 @@ def sensor_place(group: str) -> tuple[str, str, str]:
         _, link, direction = group.split("/")
         return "marker", link, direction
     return "cylinder", "link" + group[-1], "force"
+
+
+def _moved_by(error: AngleEffect, metric: "Metric") -> Array:
+    """The whitened column of an error, (N,): it moves the boom as a zero offset of its size at that moment would."""
+    campaign, column = metric.campaign, np.zeros(len(metric.base))
+    for index, log in enumerate(campaign.recordings):
+        joints, rows = log[DRIVE], campaign.recording_of == index
+        errors = error.error(joints.values)
+        for joint in np.flatnonzero(np.abs(errors).max(axis=0)):
+            at = np.interp(campaign.time[rows] + joints.time[0], joints.time, errors[:, joint])
+            deviation = metric.nuisances[joint].deviation
+            column[rows] += metric.columns[rows, joint] / deviation * at / OFFSET_STEP
+    return metric.white(column)

@@ -5,7 +5,7 @@ blocks of some samples: the noise falls. Simulations run on threads, each at mos
 """
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from copy import copy
 from dataclasses import dataclass
@@ -185,8 +185,14 @@ class Campaign:
             level: of fidelity.
             training_only: leave out recordings that are held out whole.
         """
+        return list(self.predictions(hypotheses, level, training_only))
+
+    def predictions(
+        self, hypotheses: Sequence[Hypothesis], level: Level, training_only: bool = False
+    ) -> Iterator[Array]:
+        """As `predict`, one after the other: all are begun at once, and each is there when it is asked for."""
         futures = self._begin(hypotheses, level, training_only)
-        return [self._stack({k: part.result() for k, part in parts.items()}) for parts in futures]
+        return (self._stack({k: part.result() for k, part in parts.items()}) for parts in futures)
 
     def ahead(self, hypotheses: Sequence[Hypothesis], *levels: Level) -> None:
         """Begin what will soon be predicted at several levels, so that no thread waits for the last of a batch."""

@@ -59,13 +59,21 @@ class Diagnosis:
         return self.best.fit.residual if self.best else self.nominal
 
     @cached_property
+    def taught(self) -> Array:
+        """What the explanation leaves or, where that is much, what has learnt all that there was, whitened, (N,)."""
+        most = [j for j in self.contest if j.train <= SETTLED]
+        if not most or gap(self.residual, self.metric.campaign.train) <= QUIET:
+            return self.residual
+        return min(most, key=lambda j: j.train).fit.residual
+
+    @cached_property
     def not_learnt(self) -> dict[int, float]:
-        """Recordings held out, by index, with an unexplained gap where what is learnt from has none, and that gap."""
+        """Recordings held out, by index, with a gap where what is learnt from has none or an explanation, and it."""
         campaign = self.metric.campaign
-        if self.solved or campaign.split_in_time or gap(self.residual, campaign.train) > QUIET:
+        if self.solved or campaign.split_in_time or gap(self.taught, campaign.train) > QUIET:
             return {}
         rows = (campaign.held_out & (campaign.recording_of == k) for k in range(len(campaign.recordings)))
-        left = {k: gap(self.residual, own) for k, own in enumerate(rows)}
+        left = {k: gap(self.taught, own) for k, own in enumerate(rows)}
         return {k: size for k, size in left.items() if size > QUIET}
 
     @cached_property
@@ -117,7 +125,7 @@ def _borrowing(found: Diagnosis, quiet: float, without: Sequence[str], tell: Cal
     """
     campaign = found.metric.campaign
     hidden = {k: size for k, size in found.not_learnt.items() if k not in campaign.borrowed}
-    if not hidden or gap(found.residual, campaign.train) > quiet:
+    if not hidden or gap(found.taught, campaign.train) > quiet:
         return None
     most = max(hidden, key=hidden.__getitem__)
     part = f"{campaign.subject.words.learnt} of {campaign.recordings[most].name}"

@@ -68,16 +68,19 @@ class Signatures:
         known, train, level = Candidate(given), campaign.train, subject.fidelity.rough
         steps, moved = known.steps(known.start)
         nuisances = [(*given, *t.hypothesis) for t in metric.nuisances]
-        base, *found = campaign.predict([given, *nuisances, *moved], level, training_only=True)
-        changes = np.nan_to_num([f - base for f in found]).reshape(len(found), len(base)).T
+        loose = [*nuisances, *moved]
+        short = {probe: column for probe in probes if (column := subject.shortcut(probe))}
+        long = [probe for probe in dict.fromkeys(probes) if probe not in short]
+        whole = [given, *loose, *((*given, probe) for probe in long)]
+        found = campaign.predictions(whole, level, training_only=True)
+        base = next(found)
+        changes = np.nan_to_num([next(found) - base for _ in loose]).reshape(len(loose), len(base)).T
         rough = replace(metric, columns=changes[:, : len(nuisances)] * [t.deviation for t in metric.nuisances])
         known_columns = [metric.white(change)[train] / s for change, s in zip(changes.T[len(nuisances) :], steps)]
         self.follow = np.column_stack([rough.taught, *known_columns])
-        columns = {p: column for p in probes if (column := subject.shortcut(p, rough)) is not None}
-        model = [probe for probe in probes if probe not in columns]
-        found = campaign.predict([(*given, probe) for probe in model], level, training_only=True)
-        columns |= {probe: metric.white(f - base) for probe, f in zip(model, found)}
-        self.columns = np.stack([columns[p][train] for p in probes], axis=1).astype(np.float32)  # (training, c)
+        columns = {probe: column(rough)[train] for probe, column in short.items()}
+        columns |= {probe: metric.white(prediction - base)[train] for probe, prediction in zip(long, found)}
+        self.columns = np.stack([columns[p] for p in probes], axis=1, dtype=np.float32)  # (training, c)
         ends = np.cumsum([0, *(len(group) for _, _, group in self.rows)])
         self.stretches = [slice(start, stop) for start, stop in pairwise(ends)]
 

@@ -5,7 +5,7 @@ one (`boom.py`), an MJCF file with a channel map is another (`mjcf/`).
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
@@ -244,5 +244,5 @@ class Subject(ABC):
         """
 
     @abstractmethod
-    def shortcut(self, probe: Effect, metric: "Metric") -> Array | None:
-        """The whitened column of a probe where it needs no simulation of its own, (N,); None where it does."""
+    def shortcut(self, probe: Effect) -> Callable[["Metric"], Array] | None:
+        """What makes the whitened column (N,) of a probe that needs no simulation of its own; None where it does."""

@@ -240,6 +240,10 @@ def test_what_only_recordings_held_out_show_is_to_be_learnt_from() -> None:
     (index,) = hidden.not_learnt
     name = campaign.recordings[index].name
     assert index == 2 and f"learn from {name} as well" in sentence(hidden)
+    best = found.contest[0]
+    left = np.where(campaign.train, residual(found.metric, 1.0), best.fit.residual)
+    learnt = replace(best, fit=replace(best.fit, residual=left), train=1.0)  # it explains all that it was taught
+    assert replace(found, contest=(learnt,)).not_learnt.keys() == {2}
 
 
 def test_a_part_of_a_recording_held_out_that_taught_as_well_is_told() -> None:

@@ -164,7 +164,7 @@ class Robot(Subject):
         """Two of three windows of independence: a lone recording may have all that happens in its beginning."""
         return (time // self.window).astype(int) % 3 != 2
 
-    def shortcut(self, probe: Effect, metric: Metric) -> Array | None:
+    def shortcut(self, probe: Effect) -> None:
         return None
 
     def run(self, hypothesis: Hypothesis, level: Level, log: Recording) -> Run:
