@@ -170,11 +170,12 @@ def _ended(client: Any, plugin: str, queue: Iterator[Item], alone: bool) -> Iter
     room, recount = 1, 0.0
 
     def take(future: Any, item: Item) -> None:
+        done: Done[Item, Any] | None
         try:
-            done = Done(item, future.result(), None)
+            done = Done(item, future.result(), None)  # whatever becomes of the worker that has it
         except BaseException as error:
-            done = Done(item, None, error)
-        ended.put((future, done if future.status in ("finished", "error") else None))
+            done = Done(item, None, error) if future.status == "error" else None
+        ended.put((future, done))
         future.release()
 
     while True:

@@ -9,7 +9,7 @@ from boom_mj.effects import Effect
 from boom_mj.gap.candidate import Candidate, apart, everywhere
 from boom_mj.gap.choice import QUIET, SETTLED, Gaps, choose, solved, useful
 from boom_mj.gap.fit import ROUGH, SHARP, START, climb, fit, settle
-from boom_mj.gap.judge import Judged, judge
+from boom_mj.gap.judge import Judged, across, judge
 from boom_mj.gap.metric import Metric, anchored, around, beside, blurred, coarsely
 from boom_mj.gap.screen import Screened, Signatures, spectral_lines
 
@@ -177,4 +177,4 @@ def _polish(judged: Judged, nominal: Gaps) -> Judged:
         hopeless = swings and not helped and again.train > near(nominal[0])
         if hopeless or (stays and not (helped and max(again.gaps) > SETTLED)):
             break
-    return judged
+    return across(judged, nominal[0])

@@ -7,13 +7,15 @@ correlated, so that every interval comes from windows of some seconds that are r
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.stats import norm as normal
 
-from boom_mj.calibration.intervals import robust_variance
+from boom_mj.calibration.intervals import SURE, robust_variance
 from boom_mj.gap.fit import PRIOR, Fit
 from boom_mj.gap.metric import Metric, allowed
 
 Array = np.ndarray
 DRAWS = 400
+LOOKS = 1e-3 * 2.0 ** np.arange(6)  # to either side, in terms of a size
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +76,24 @@ def deviations(metric: Metric, found: Fit) -> Array:
     if metric.campaign.subject.repeat is not None:
         clusters.append(moments(metric, metric.campaign.subject.repeat)[train])
     return np.sqrt(robust_variance(inverse, score, clusters))
+
+
+def across(found: Judged, before: float) -> Judged:
+    """With wider deviations of knobs whose cost has many minima: derivatives tell of one, model error decides which.
+
+    A size that leaves no more than the best and the share of the gap that the model itself may (`Subject.slack`) is as
+    good.
+    """
+    metric, candidate, at = found.metric, found.fit.candidate, found.fit.coordinates
+    train, deviation = metric.campaign.train, found.deviation.copy()
+    enough = found.train + metric.campaign.subject.slack * (before - 1)
+    for k, (owner, *_) in enumerate(candidate.knobs):
+        if candidate.effects[owner].rungs:
+            moves = at[k] * np.r_[LOOKS, -LOOKS]
+            looks = metric.predict([candidate.at(at + move * np.eye(len(at))[k]) for move in moves], training_only=True)
+            as_good = [gap(metric.clean(metric.residual(look)), train) < enough for look in looks]
+            deviation[k] = max(deviation[k], np.max(np.abs(moves), where=as_good, initial=0.0) / normal.ppf(SURE))
+    return replace(found, deviation=deviation)
 
 
 def window_numbers(metric: Metric) -> Array:
