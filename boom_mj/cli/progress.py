@@ -1,5 +1,6 @@
-"""How long work is going: a bar with an estimate on a terminal, a line per stage elsewhere; all on stderr."""
+"""How long work is going: a bar with an estimate on a terminal, lines elsewhere; all on stderr."""
 
+import math
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -9,6 +10,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
 
 Report = Callable[[str, int, int], None]  # (stage, done, total)
+PAUSE = 60.0  # s between estimates of a stage
 
 
 @contextmanager
@@ -31,17 +33,17 @@ def progress() -> Iterator[Report]:
 
 
 def _lines() -> Report:
-    """One line when a stage is done, and one with an estimate when a twentieth of it is."""
+    """One line when a stage is done, and with an estimate when a twentieth of it is and once a minute from then on."""
     began: dict[str, tuple[float, int]] = {}
-    estimated: set[str] = set()
+    told: dict[str, float] = {}
 
     def report(stage: str, done: int, total: int) -> None:
         now = time.monotonic()
         start, first = began.setdefault(stage, (now, done))
         if done == total:
             print(f"{stage}: {done} in {now - start:.0f} s", file=sys.stderr, flush=True)
-        elif done > first and 20 * (done - first) >= total - first and stage not in estimated:
-            estimated.add(stage)
+        elif done > first and 20 * (done - first) >= total - first and now - told.get(stage, -math.inf) >= PAUSE:
+            told[stage] = now
             left = (now - start) * (total - done) / (done - first)
             print(f"{stage}: {done} of {total}, about {left:.0f} s left", file=sys.stderr, flush=True)
 
