@@ -7,7 +7,7 @@ import numpy as np
 
 from boom_mj.effects import Effect
 from boom_mj.gap.candidate import Candidate, apart, everywhere
-from boom_mj.gap.choice import QUIET, SETTLED, Gaps, choose, solved, useful
+from boom_mj.gap.choice import QUIET, SETTLED, Gaps, choose, complete, solved, useful
 from boom_mj.gap.fit import ROUGH, SHARP, START, climb, fit, settle
 from boom_mj.gap.judge import Judged, across, judge
 from boom_mj.gap.metric import Metric, anchored, around, beside, blurred, coarsely
@@ -16,6 +16,7 @@ from boom_mj.gap.screen import Screened, Signatures, spectral_lines
 FINALISTS = 6  # singles that are fitted
 SECONDS, RUNNERS = 3, 2  # partners that are tried: of those screened beside a leader, of those fitted without it
 LEADERS = 2  # of a contest that are fitted again
+HIDDEN = 0.5  # of what a leader that suffices leaves beyond noise, what screening must promise of a second cause
 ROUNDS, WORSE = 3, 1.2  # of polishing, and the growth of the training gap at which it is given up
 HELPED, FAR = 0.98, 0.25  # of a gap that fitting again must leave to go on, if more than this of the gap is left
 NEAR = 0.1  # of a size worth finding, within which nuisances and model error stay what they are
@@ -37,10 +38,12 @@ def refined(contest: list[Judged], nominal: Gaps, tell: Callable[[str], None]) -
 
 
 def combined(contest: list[Judged], nominal: Gaps, without: Sequence[str], tell: Callable[[str], None]) -> list[Judged]:
-    """A contest that single causes do not decide, with combinations, simplified."""
+    """A contest that single causes do not decide, or that one decides which may hide another, simplified."""
     for size in range(2, contest[0].metric.campaign.subject.causes + 1):
         if not solved(nominal, contest[0]):
             contest = _combine(contest, size, nominal, without, tell)
+        elif len(contest[0].fit.effects) == size - 1 and not complete(contest[0]):
+            contest = _revealed(contest, without, tell)
     return _simpler(contest, nominal)
 
 
@@ -88,25 +91,48 @@ def _combine(
     saving = contest[0].metric.campaign.subject.swings  # where all is soon tried a tie is worth the look
     while trunks and not (saving and solved(nominal, contest[0])):
         metric, trunk = trunks.pop(0)
-        tell("screening beside " + Candidate(trunk).label)
-        tried = {judged.fit.candidate.places for judged in contest}
-        pairs = [*_partnered(metric, trunk, without), *_shared(trunk, contest)]
-        pairs = [pair for pair in pairs if pair.places not in tried]
-        tell("combinations: " + ", ".join(dict.fromkeys(pair.label for pair in pairs)))
-        found = _polished(_fit_all(metric, pairs), before, tell)
-        contest = sorted([*contest, *found], key=lambda j: j.held_out)
+        contest = _paired(contest, metric, trunk, _partners(metric, trunk, without, tell), before, tell)
         if first and len(contest[0].fit.effects) == size:
             trunks.insert(0, (contest[0].metric, contest[0].fit.effects[1:]))
         first = False
     return contest
 
 
-def _partnered(metric: Metric, trunk: tuple[Effect, ...], without: Sequence[str]) -> list[Candidate]:
-    """Effects together with what screening about their machine suggests."""
+def _revealed(contest: list[Judged], without: Sequence[str], tell: Callable[[str], None]) -> list[Judged]:
+    """The contest, and pairs of a leader that suffices, where screening promises much of what it leaves."""
+    leader = contest[0]
+    metric, trunk, square = leader.metric, leader.fit.effects, leader.train**2
+    partners = _partners(metric, trunk, without, tell)
+    if max((partner.share for partner in partners), default=0.0) * square < HIDDEN * (square - 1):
+        return contest
+    return _paired(contest, metric, trunk, partners, leader.gaps, tell)
+
+
+def _partners(
+    metric: Metric, trunk: tuple[Effect, ...], without: Sequence[str], tell: Callable[[str], None]
+) -> list[Screened]:
+    """What screening suggests about the machine that effects make."""
+    tell("screening beside " + Candidate(trunk).label)
     raw = metric.residual(*metric.predict([trunk]))
     kinds, lines = everywhere(metric.campaign.subject, without), spectral_lines(metric, metric.clean(raw))
-    partners = Signatures(metric, kinds, lines, trunk).rank(raw)[:SECONDS]
-    return [Candidate((*trunk, *start.effects)) for partner in partners for start in partner.starts]
+    return Signatures(metric, kinds, lines, trunk).rank(raw)[:SECONDS]
+
+
+def _paired(
+    contest: list[Judged],
+    metric: Metric,
+    trunk: tuple[Effect, ...],
+    partners: Sequence[Screened],
+    before: Gaps,
+    tell: Callable[[str], None],
+) -> list[Judged]:
+    """The contest, and effects together with partners and with what does well without them."""
+    tried = {judged.fit.candidate.places for judged in contest}
+    pairs = [Candidate((*trunk, *start.effects)) for partner in partners for start in partner.starts]
+    pairs = [pair for pair in (*pairs, *_shared(trunk, contest)) if pair.places not in tried]
+    tell("combinations: " + ", ".join(dict.fromkeys(pair.label for pair in pairs)))
+    found = _polished(_fit_all(metric, pairs), before, tell)
+    return sorted([*contest, *found], key=lambda j: j.held_out)
 
 
 def _shared(trunk: tuple[Effect, ...], contest: Sequence[Judged]) -> list[Candidate]:

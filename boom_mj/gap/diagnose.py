@@ -9,7 +9,7 @@ from threadpoolctl import threadpool_limits
 
 from boom_mj.gap.campaign import Campaign
 from boom_mj.gap.candidate import everywhere
-from boom_mj.gap.choice import QUIET, SETTLED, SMALLEST, choose, explains, solved, sure, ties_with
+from boom_mj.gap.choice import QUIET, SETTLED, SMALLEST, choose, complete, explains, solved, sure, ties_with
 from boom_mj.gap.contest import combined, refined, singles
 from boom_mj.gap.judge import Closure, Judged, closure, gap
 from boom_mj.gap.metric import Metric, make_metric
@@ -74,7 +74,7 @@ class Diagnosis:
             return {}
         rows = (campaign.held_out & (campaign.recording_of == k) for k in range(len(campaign.recordings)))
         left = {k: gap(self.taught, own) for k, own in enumerate(rows)}
-        return {k: size for k, size in left.items() if size > QUIET}
+        return {k: size for k, size in left.items() if size > HEALTHY}
 
     @cached_property
     def pushes(self) -> tuple[Push, ...]:
@@ -111,7 +111,7 @@ def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], 
     contest = refined(contest, gaps, tell) if worth else contest
     found = _concluded(metric, nominal, screened, contest, tell)
     other = None if found.solved else _borrowing(found, SETTLED, without, tell)
-    if worth and not other and not solved(gaps, contest[0]):
+    if worth and not other and not complete(contest[0]):
         found = _concluded(metric, nominal, screened, combined(contest, gaps, without, tell), tell)
         other = None if found.solved else _borrowing(found, QUIET, without, tell)
     return other if other and other.solved else found

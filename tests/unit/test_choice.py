@@ -3,8 +3,10 @@
 from types import SimpleNamespace
 
 import numpy as np
+from pytest import MonkeyPatch, mark
 
 from boom_mj.effects import parse_effect
+from boom_mj.gap import contest
 from boom_mj.gap.boom import Boom
 from boom_mj.gap.candidate import Candidate
 from boom_mj.gap.choice import choose, solved
@@ -34,6 +36,17 @@ def test_a_cause_that_suffices_stands_alone() -> None:
     single, pair = judged(1.02, PAYLOAD), judged(0.985, PAYLOAD, SOFT)
     assert solved(NOMINAL, single)
     assert chosen(single, pair) == single.label
+
+
+@mark.parametrize(("left", "promised", "looks"), [(1.03, 0.05, True), (1.03, 0.02, False), (1.0, 0.5, False)])
+def test_beside_what_suffices_another_is_tried_where_one_may_hide(
+    monkeypatch: MonkeyPatch, left: float, promised: float, looks: bool
+) -> None:
+    pair = judged(0.98, PAYLOAD, SOFT)
+    monkeypatch.setattr(contest, "_partners", lambda *given: [SimpleNamespace(share=promised)])
+    monkeypatch.setattr(contest, "_paired", lambda found, *given: [pair, *found])
+    monkeypatch.setattr(contest, "_simpler", lambda found, nominal: found)
+    assert (pair in contest.combined([judged(left, PAYLOAD)], NOMINAL, (), print)) == looks
 
 
 def test_a_second_cause_closes_half_of_what_the_first_leaves() -> None:
