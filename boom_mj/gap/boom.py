@@ -78,6 +78,7 @@ class Boom(Subject):
         ROUGH, COARSE, MIDDLE, (Check(FINE, REFINED, REFINED), Check(SHARP, 2.0, 1.0)), SHARP, alike=0.5
     )
     causes, slack, worth, spill = 2, 0.005, 0.5, 0.01
+    hides = 1.01  # right ones leave 0.95 to 1.00
     words = Words(
         phases=("hold", "start", "move", "slew", "reversal", "after motion", "after release"),
         learnt=f"the first {LEARNT:.0%}",

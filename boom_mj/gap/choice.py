@@ -13,7 +13,6 @@ QUIET, SURE = 1.15, 4.0  # held-out gap up to which a cause must be sure, and in
 SMALLEST = 0.10  # fall of the held-out mean square that counts
 FLOOR = 1.0  # gap of noise alone: an effect's own inaccuracy is not what another one closes down to it
 SETTLED = 1.03  # gap that an explanation may leave, held out or not; right ones leave 0.95 to 1.01
-COMPLETE = 1.01  # gap above which even what suffices may hide a second cause; right ones leave 0.95 to 1.00
 WHOLE = 0.95  # closure that the interval of an explanation must reach
 KNOB = 1e-3  # of the held-out gap, what a knob must be worth
 TIE = 0.03  # closure within which rivals tie
@@ -25,9 +24,9 @@ def solved(nominal: Gaps, found: Judged) -> bool:
     return all(after <= SETTLED + slack * (before - 1) for before, after in zip(nominal, found.gaps))
 
 
-def complete(found: Judged) -> bool:
-    """Whether an explanation leaves so little that no second cause hides in it."""
-    return max(found.gaps) < COMPLETE
+def complete(nominal: Gaps, found: Judged) -> bool:
+    """Whether an explanation suffices and leaves so little that no other cause hides in it."""
+    return solved(nominal, found) and max(found.gaps) < found.metric.campaign.subject.hides
 
 
 def useful(found: Judged, nominal: Gaps) -> bool:

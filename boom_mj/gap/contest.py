@@ -42,7 +42,7 @@ def combined(contest: list[Judged], nominal: Gaps, without: Sequence[str], tell:
     for size in range(2, contest[0].metric.campaign.subject.causes + 1):
         if not solved(nominal, contest[0]):
             contest = _combine(contest, size, nominal, without, tell)
-        elif len(contest[0].fit.effects) == size - 1 and not complete(contest[0]):
+        elif len(contest[0].fit.effects) == size - 1 and not complete(nominal, contest[0]):
             contest = _revealed(contest, without, tell)
     return _simpler(contest, nominal)
 

@@ -111,7 +111,7 @@ def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], 
     contest = refined(contest, gaps, tell) if worth else contest
     found = _concluded(metric, nominal, screened, contest, tell)
     other = None if found.solved else _borrowing(found, SETTLED, without, tell)
-    if worth and not other and not complete(contest[0]):
+    if worth and not other and not complete(gaps, contest[0]):
         found = _concluded(metric, nominal, screened, combined(contest, gaps, without, tell), tell)
         other = None if found.solved else _borrowing(found, QUIET, without, tell)
     return other if other and other.solved else found

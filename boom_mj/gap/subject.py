@@ -136,6 +136,7 @@ class Subject(ABC):
         slack: share of the gap that an explanation may leave besides noise.
         worth: share of the remaining gap that another effect must close.
         spill: share of the mean square that effects took away, which their own inaccuracy may leave.
+        hides: gap above which an explanation that suffices may hide another cause.
         words: for people.
         repeat: period of a motion that the recordings repeat, s, if they do.
         swings: whether it vibrates so long that fits of its recordings have minima of their own.
@@ -152,6 +153,7 @@ class Subject(ABC):
     worth: float
     spill: float
     words: Words
+    hides: float = np.inf
     repeat: float | None = None
     swings: ClassVar[bool] = False
     listening: ClassVar[str | None] = None
