@@ -74,7 +74,7 @@ class Diagnosis:
             return {}
         rows = (campaign.held_out & (campaign.recording_of == k) for k in range(len(campaign.recordings)))
         left = {k: gap(self.taught, own) for k, own in enumerate(rows)}
-        return {k: size for k, size in left.items() if size > HEALTHY}
+        return {k: size for k, size in left.items() if size > QUIET}
 
     @cached_property
     def pushes(self) -> tuple[Push, ...]:
