@@ -5,25 +5,27 @@ blocks of some samples: the noise falls. Simulations run on threads, each at mos
 """
 
 import os
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from threading import Lock
 
 import numpy as np
 
-from boom_mj.errors import BoomError, LogError
+from boom_mj.errors import BoomError, LogError, LogWarning
 from boom_mj.gap.boom import Boom
 from boom_mj.gap.subject import Hypothesis, Level, Subject
 from boom_mj.machine import Machine
-from boom_mj.recording import Recording, Signal
+from boom_mj.recording import Recording, Signal, window
 from boom_mj.sensors import sample
-from boom_mj.sensors.blocks import block_means, own_noise
+from boom_mj.sensors.blocks import block_means, block_numbers, own_noise
 
 Array = np.ndarray
 KEPT = 1500  # predictions of single recordings, some 0.2 MB each
+RESOLUTION = 1e-6  # s, of stamps since 1970
 SHARED = 4  # hypotheses whose dense simulations are kept, for others that differ in their sensors only
 
 
@@ -35,7 +37,8 @@ class Channel:
         recording: index.
         signal, column: where the channel lies in the recording.
         group: sensor and direction, such as "imu/link5/specific_force/y" or "markers/link4/z".
-        time: of its blocks, (n,), s from the start of the recording.
+        blocks: numbers of those that were sampled, (n,) of int.
+        time: of their middles, (n,), s from the start of the recording.
         count: samples of a block, (n,); 0 where all are hidden.
         measured: means of its blocks, (n,).
         noise: of a single sample.
@@ -45,6 +48,7 @@ class Channel:
     signal: str
     column: int
     group: str
+    blocks: Array
     time: Array
     count: Array
     measured: Array
@@ -62,7 +66,11 @@ class Campaign:
         threads: simulations at a time.
 
     Attributes:
+        recordings: without what their compared signals say outside the time that is simulated.
         borrowed: indices of recordings held out whose first part is learnt from as well.
+
+    Raises:
+        LogError: nothing to learn from, or a signal that shares no time with what drives the model.
     """
 
     def __init__(
@@ -75,7 +83,8 @@ class Campaign:
         if not recordings or training < 1:
             raise LogError("a diagnosis needs at least one recording to learn from")
         self.subject = subject if isinstance(subject, Subject) else Boom(subject)
-        self.recordings, self.training = tuple(recordings), training
+        self.recordings = tuple(_while_driven(self.subject, log) for log in recordings)
+        self.training = training
         threads = threads or os.cpu_count() or 1
         self.pool = ThreadPoolExecutor(threads)
         self.kept = SHARED * len(recordings) + threads
@@ -218,28 +227,43 @@ class Campaign:
             vector[self.recording_of == index] = part
         return vector
 
-    def begin(self, hypothesis: Hypothesis, level: Level, index: int) -> Future[Array]:
-        """The prediction of one recording, (n,); see `predict`."""
-        key = (frozenset(hypothesis), level, index)
+    def begin(self, hypothesis: Hypothesis, level: Level, index: int, gapless: bool = False) -> Future[Array]:
+        """The prediction of one recording, (n,); see `predict`.
+
+        Args:
+            gapless: of every block up to a channel's last, hidden and missing ones too.
+        """
+        key = (frozenset(hypothesis), level, index, gapless)
         with self._lock:
-            future = self._futures.pop(key, None) or self.pool.submit(self._block_means, hypothesis, level, index)
+            future = self._futures.pop(key, None) or self.pool.submit(self._block_means, *key[1:], hypothesis)
             self._futures[key] = future
             if len(self._futures) > KEPT:
                 del self._futures[next(iter(self._futures))]
             return future
 
-    def _block_means(self, hypothesis: Hypothesis, level: Level, index: int) -> Array:
+    def _block_means(self, level: Level, index: int, gapless: bool, hypothesis: Hypothesis) -> Array:
         channels = [channel for channel in self.channels if channel.recording == index]
         try:
             dense, signals = self._signals(hypothesis, level, index)
         except BoomError:
-            return np.full(sum(len(channel.time) for channel in channels), np.nan)
+            return np.full(sum(c.blocks[-1] + 1 if gapless else len(c.time) for c in channels), np.nan)
         healthy = not self.subject.split(hypothesis)[0]
         parts = []
         for name in dict.fromkeys(channel.signal for channel in channels):
+            if gapless:
+                parts.append(self._gapless_means(index, name, signals[name]))
+                continue
             key = (level, index, name) if healthy and signals[name] is dense[name] else None
             parts.append(self._means(index, name, signals[name], key))
         return np.concatenate(parts)
+
+    def _gapless_means(self, index: int, name: str, signal: Signal) -> Array:
+        """Block means of a signal's channels, one after the other; blocks without a sample have as many as others."""
+        elapsed, block = self._elapsed(index, name), self.subject.block
+        within = np.arange(0, block * (1 - 1e-6), float(np.median(np.diff(elapsed, append=elapsed[-1] + block))))
+        missing = np.setdiff1d(np.arange(int(elapsed[-1] / block + 1e-6)), block_numbers(elapsed, block))
+        elapsed = np.union1d(elapsed, (missing[:, None] * block + within).ravel())
+        return block_means(elapsed, sample(signal, elapsed), block)[2].T.ravel()
 
     def _means(self, index: int, name: str, signal: Signal, key: tuple | None) -> Array:
         """Block means of a signal's channels, one after the other, NaN where hidden; kept under the key, if any."""
@@ -298,9 +322,33 @@ class Campaign:
             if name not in log:
                 continue
             elapsed, values = self._elapsed(index, name), log[name].values
+            blocks = np.unique(block_numbers(elapsed, self.subject.block))
             for column in range(values.shape[1]):
                 time, count, mean = block_means(elapsed, values[:, column], self.subject.block)
                 noise = max(float(levels[column]), own_noise(values[:, column]) / 1.3)
                 group = self.subject.group(name, log[name], column)
-                found.append(Channel(index, name, column, group, time, count, mean, noise))
+                found.append(Channel(index, name, column, group, blocks, time, count, mean, noise))
         return found
+
+
+def _while_driven(subject: Subject, log: Recording) -> Recording:
+    """A recording whose compared signals are cut to the time that is simulated; a warning says by how much."""
+    begin, duration = subject.clock(log)
+    end, cut, outside = begin + duration, {}, []
+    for name in subject.noise():
+        if name in log:
+            signal, early, late = log[name], begin - log[name].time[0], log[name].time[-1] - end
+            if early > 0 or late > RESOLUTION:
+                cut[name] = window(signal, begin, end + RESOLUTION)
+                outside.append((len(signal.time) - len(cut[name].time), name, max(early, late)))
+    if not cut:
+        return log
+    most, (name, *others) = max(seconds for *_, seconds in outside), [name for _, name, _ in outside]
+    warnings.warn(
+        f"{log.name}: {sum(count for count, *_ in outside)} samples of {name}"
+        f"{f' and {len(others)} other signals' if others else ''} lie up to {most:.3f} s outside the "
+        f"{begin:.3f} to {end:.3f} s that drive the model and are left out",
+        LogWarning,
+        stacklevel=3,
+    )
+    return replace(log, signals={**log.signals, **cut})

@@ -132,7 +132,7 @@ class _Plan:
 
     Attributes:
         rows: of the recording in the long vector.
-        lengths: of its channels.
+        blocks: numbers of those that each of its channels has, (n,) of int.
         knots: times of all pulses, s.
         chosen: numbers of those that are simulated.
         awaited: the simulation without a pulse and those with one.
@@ -140,7 +140,7 @@ class _Plan:
 
     campaign: Campaign
     rows: slice
-    lengths: tuple[int, ...]
+    blocks: tuple[Array, ...]
     knots: Array
     chosen: Array
     awaited: tuple[Future[Array], ...]
@@ -154,32 +154,26 @@ class _Plan:
                 chosen.append(k)
         rest, level = tuple(e for e in effects if e is not hidden), campaign.subject.fidelity.coarse
         pulsed = [(*rest, pulse) for k in chosen if (pulse := hidden.pulse(knots[k]))]
-        awaited = tuple(campaign.begin(hypothesis, level, index) for hypothesis in (effects, *pulsed))
-        own = [campaign.stretch(k) for k, c in enumerate(campaign.channels) if c.recording == index]
-        lengths = tuple(s.stop - s.start for s in own)
-        return cls(campaign, slice(own[0].start, own[-1].stop), lengths, knots, np.array(chosen), awaited)
+        awaited = tuple(campaign.begin(hypothesis, level, index, gapless=True) for hypothesis in (effects, *pulsed))
+        own = [k for k, channel in enumerate(campaign.channels) if channel.recording == index]
+        blocks = tuple(campaign.channels[k].blocks for k in own)
+        rows = slice(campaign.stretch(own[0]).start, campaign.stretch(own[-1]).stop)
+        return cls(campaign, rows, blocks, knots, np.array(chosen), awaited)
 
     def part(self, white: Callable[[slice, Array], Array]) -> Part:
         """Responses to all pulses."""
         without, *found = (future.result() for future in self.awaited)
         latest = np.searchsorted(self.chosen, np.arange(len(self.knots)), "right") - 1
         late = np.round((self.knots - self.knots[self.chosen[latest]]) / self.campaign.subject.block).astype(int)
-        responses, begin = np.zeros((len(without), len(self.knots)), np.float32), 0
-        for length in self.lengths:
-            own = slice(begin, begin + length)
-            simulated = np.stack([_filled((pulsed - without)[own]) for pulsed in found])
-            before = np.arange(length)[:, None] - late
-            responses[own] = np.where(before >= 0, simulated[latest, before], 0.0)
-            begin += length
-        responses = white(self.rows, responses)
+        changes = np.nan_to_num([pulsed - without for pulsed in found])
+        parts, first = [], 0
+        for blocks in self.blocks:
+            own = changes[:, first : (first := first + blocks[-1] + 1)]
+            before = blocks[:, None] - late
+            parts.append(np.where(before >= 0, own[latest, np.maximum(before, 0)], 0.0).astype(np.float32))
+        responses = white(self.rows, np.concatenate(parts))
         root = cholesky(np.exp(-np.abs(self.knots[:, None] - self.knots) / COURSE_TIME), lower=True)
         power, turn = eigh(root.T @ (responses.T @ responses) @ root)
         kept = power > LEAST
         power, turn = power[kept], turn[:, kept]
         return Part(self.rows, responses, root @ turn / np.sqrt(power), turn, power)
-
-
-def _filled(values: Array) -> Array:
-    """Without the holes of what is hidden."""
-    seen, at = np.isfinite(values), np.arange(len(values))
-    return np.interp(at, at[seen], values[seen]) if seen.any() else np.zeros(len(values))

@@ -102,6 +102,11 @@ def _means(time: Array, values: Array, rows: int) -> tuple[Array, Array]:
     return mean, count
 
 
+def block_numbers(time: Array, length: float = BLOCK) -> Array:
+    """Number of the stretch of `length` seconds in which each time lies, (m,) of int."""
+    return np.floor(time / length + 1e-6).astype(int)
+
+
 def block_means(time: Array, values: Array, length: float = BLOCK) -> tuple[Array, Array, Array]:
     """Means over stretches of `length` seconds that leave out NaN.
 
@@ -112,7 +117,7 @@ def block_means(time: Array, values: Array, length: float = BLOCK) -> tuple[Arra
     Returns:
         Times of the middles of those that have samples, (n,); samples and means, (n,) or (n, k).
     """
-    block = np.floor(time / length + 1e-6).astype(int)
+    block = block_numbers(time, length)
     starts = np.flatnonzero(np.concatenate([[True], np.diff(block) != 0]))
     there = np.isfinite(values)
     count = np.add.reduceat(there.astype(float), starts, axis=0)

@@ -4,19 +4,27 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 
+from boom_mj.errors import LogError, LogWarning
 from boom_mj.gap import Campaign
 from boom_mj.logs import read_log
 from boom_mj.machine import load_machine
-from boom_mj.recording import window
+from boom_mj.recording import Recording, window
 
 ROOT = Path(__file__).parents[2]
+BOOM = load_machine(ROOT / "models" / "boom36.toml")
+LOG = read_log(ROOT / "logs" / "independent_release_stretched_vertical.mcap")
+
+
+def between(start: float, stop: float, **others: tuple[float, float]) -> Recording:
+    """The log from start to stop, s, but for signals with a span of their own."""
+    spans = {name: others.get(name.partition("/")[0], (start, stop)) for name in LOG.signals}
+    return replace(LOG, signals={name: window(LOG[name], *span) for name, span in spans.items()})
 
 
 def test_the_first_part_of_a_borrowed_recording_is_learnt_from_and_nothing_is_simulated_again() -> None:
-    log = read_log(ROOT / "logs" / "independent_release_stretched_vertical.mcap")
-    short = replace(log, signals={name: window(signal, 7.0, 9.0) for name, signal in log.signals.items()})
-    campaign = Campaign(load_machine(ROOT / "models" / "boom36.toml"), [short] * 3, 1, threads=1)
+    campaign = Campaign(BOOM, [between(7.0, 9.0)] * 3, 1, threads=1)
     level = campaign.subject.fidelity.rough
     (whole,), before = campaign.predict([()], level), campaign.simulated_s
     other = campaign.borrowing(2)
@@ -27,3 +35,21 @@ def test_the_first_part_of_a_borrowed_recording_is_learnt_from_and_nothing_is_si
     assert set(own[campaign.train]) == {0} and set(own[other.train]) == {0, 2}
     assert set(own[other.held_out]) == {1, 2}
     assert campaign.time[other.train & (own == 2)].max() < 1.2 <= campaign.time[other.held_out & (own == 2)].min()
+
+
+@pytest.mark.parametrize("joint", [(7.02, 9.0), (7.16, 9.0), (7.0, 8.9), (7.16, 8.9)])
+def test_samples_outside_the_joint_angles_are_left_out_and_said(joint: tuple[float, float]) -> None:
+    with pytest.warns(LogWarning, match=r"samples of imu/.* outside the .* s that drive the model"):
+        campaign = Campaign(BOOM, [between(7.0, 9.0, joint=joint)], 1, threads=1)
+    whole = Campaign(BOOM, [between(*joint)], 1, threads=1)
+    assert np.array_equal(campaign.measured, whole.measured) and np.array_equal(campaign.noise, whole.noise)
+
+
+def test_samples_within_the_joint_angles_are_all_compared(recwarn: pytest.WarningsRecorder) -> None:
+    Campaign(BOOM, [between(7.0, 9.0)], 1, threads=1)
+    assert not recwarn.list
+
+
+def test_signals_without_a_time_in_common_are_refused_with_both_spans() -> None:
+    with pytest.raises(LogError, match=r"no sample from 7.000 to 8.000 s; it runs from 8.5"):
+        Campaign(BOOM, [between(8.5, 9.0, joint=(7.0, 8.0))], 1, threads=1)

@@ -1,11 +1,14 @@
 """Courses in time that no log tells: whitening by what they may do, how strong they are, and what is none."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from boom_mj.effects import make_effect
 from boom_mj.effects.effect import COURSE_TIME, KNOT
-from boom_mj.gap.course import NONE, Courses, courses_of
+from boom_mj.gap import Campaign
+from boom_mj.gap.course import NONE, Courses, _Plan, courses_of
 from boom_mj.gap.metric import Metric, allowed, beside
 
 WIND, BREEZE = ((make_effect("wind", {"mean_speed": speed, "direction": 1.2}),) for speed in (15.0, 2.0))
@@ -59,3 +62,18 @@ def test_only_what_has_a_course_is_whitened_by_one(metric: Metric) -> None:
     windy = beside(metric, WIND)
     assert windy.courses is not None and beside(windy, ()).courses is None
     assert beside(windy, WIND).courses is windy.courses and allowed(windy, WIND).courses is windy.courses
+
+
+@pytest.mark.parametrize("missing", [(7.58, 8.18), (0.0, 7.48), (8.38, 9.9)], ids=["hole", "late start", "early end"])
+def test_what_a_stream_lacks_moves_no_response(metric: Metric, missing: tuple[float, float]) -> None:
+    """Markers that miss blocks feel every gust at the others as before."""
+    log, (start, stop) = metric.campaign.recordings[0], missing
+    there = (log["markers"].time < start) | (log["markers"].time > stop)
+    markers = replace(log["markers"], time=log["markers"].time[there], values=log["markers"].values[there])
+    holed = Campaign(metric.campaign.subject, [log.with_signals({"markers": markers})], 1, threads=1)
+    part, other = (_Plan.of(c, WIND, WIND[0], 0).part(lambda rows, columns: columns) for c in (metric.campaign, holed))
+    for number, channel in enumerate(metric.campaign.channels):
+        whole, own = part.responses[metric.campaign.stretch(number)], other.responses[holed.stretch(number)]
+        kept = np.isin(channel.blocks, holed.channels[number].blocks)
+        assert np.count_nonzero(kept) > 3 and kept.all() == (channel.signal != "markers")
+        assert np.allclose(own, whole[kept], atol=1e-6 + 1e-3 * np.abs(whole).max())
