@@ -12,7 +12,7 @@ from pathlib import Path
 from threading import Lock
 
 from boom_mj.cli.arguments import find_machine
-from boom_mj.gap import Campaign, boom, campaign, diagnose, metric, screen
+from boom_mj.diagnosis import Campaign, boom, campaign, diagnose, metric, screen
 from boom_mj.logs import read_log
 
 SPENT: Counter[str] = Counter()

@@ -25,9 +25,9 @@ from scipy.signal import find_peaks
 from boom_mj.logs import read_log
 from boom_mj.machine import Machine, load_machine
 from boom_mj.reference import ReferenceModel, integrate
-from boom_mj.sensors import noise_levels, replay
-from boom_mj.sensors.quality import assess
-from boom_mj.sensors.replay import driving_angles
+from boom_mj.replay import replay
+from boom_mj.replay.quality import assess
+from boom_mj.sensors import driving_angles, noise_levels
 from boom_mj.simulation import CATALOGUE, Plant, Trajectory, driven_model, make_plant, run, run_experiment, step_times
 
 Array = np.ndarray

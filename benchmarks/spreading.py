@@ -25,13 +25,13 @@ from statistics import median
 import cv2
 from dask import distributed
 
+from boom_mj.blind import SHORT, SUITE, Suite, answer_cases, make_cases
 from boom_mj.cameras.dataset import write_json
 from boom_mj.cameras.describe import describe
 from boom_mj.cameras.film import Film, film_of
 from boom_mj.cameras.formats import write_coco, write_nerfstudio
 from boom_mj.cameras.rig import rig_of
 from boom_mj.cameras.shooting import BATCH, Look, frames_of, render_frames
-from boom_mj.gap.blind import SHORT, SUITE, Suite, answer_cases, make_cases
 from boom_mj.machine import load_machine
 from boom_mj.simulation import CATALOGUE, make_plant, run_experiment
 from boom_mj.spreading import spread
@@ -41,7 +41,7 @@ ROOT = Path(__file__).parents[1]
 FILE = ROOT / "models" / "boom36.toml"
 MOTION = CATALOGUE["release_stretched_vertical"]
 WORKERS = (1, 2, 4)
-MODULES = ("boom_mj.sweeping", "boom_mj.cameras.shooting", "boom_mj.gap.blind")
+MODULES = ("boom_mj.sweeping", "boom_mj.cameras.shooting", "boom_mj.blind")
 NOTHING = 1000  # items without work
 JPEG = 90  # percent
 LOGS, IMAGES, CORES, DAY = 10_000, 10_000_000, 64, 24.0  # the plan: machines of so many cores, for so many hours

@@ -10,7 +10,8 @@ from boom_mj.machine import Machine, load_machine
 from boom_mj.mjcf import build
 from boom_mj.recording import Recording, Signal
 from boom_mj.reference import ReferenceModel, Simplifications
-from boom_mj.sensors import Replay, measure, record, replay
+from boom_mj.replay import Replay, replay
+from boom_mj.sensors import measure, record
 from boom_mj.simulation import CATALOGUE, Experiment, Trajectory, load_experiment, make_plant, run_experiment
 
 __all__ = [

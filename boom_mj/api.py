@@ -11,8 +11,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from boom_mj import gap
-from boom_mj.gap.judge import Closure
+from boom_mj import diagnosis
+from boom_mj.diagnosis.scoring import Closure
 from boom_mj.logs import read_log
 from boom_mj.machine import Machine, load_machine
 from boom_mj.recording import Recording
@@ -58,13 +58,13 @@ class Answer:
     """
 
     machine: Machine
-    found: gap.Diagnosis
+    found: diagnosis.Diagnosis
     names: tuple[str, ...]
 
     @cached_property
     def document(self) -> dict[str, Any]:
         """All of it as plain data, as `gap diagnose --json` writes it."""
-        return gap.document(self.found, self.names)
+        return diagnosis.document(self.found, self.names)
 
     @property
     def verdict(self) -> str:
@@ -97,7 +97,7 @@ class Answer:
     @cached_property
     def corrected(self) -> Machine:
         """The machine with the best explanation's effects and the tolerances that were estimated along."""
-        return gap.with_effects(self.machine, self.found)
+        return diagnosis.with_effects(self.machine, self.found)
 
     def to_html(self, path: Path | str) -> None:
         """Write the page of `gap diagnose --html`: one file, which fetches nothing."""
@@ -132,5 +132,5 @@ def diagnose(
     logs = (*train, *holdout)
     recordings = [log if isinstance(log, Recording) else read_log(log) for log in logs]
     names = tuple(log.name if isinstance(log, Recording) else str(log) for log in logs)
-    campaign = gap.Campaign(boom, recordings, len(train))
-    return Answer(boom, gap.diagnose(campaign, without, tell), names)
+    campaign = diagnosis.Campaign(boom, recordings, len(train))
+    return Answer(boom, diagnosis.diagnose(campaign, without, tell), names)

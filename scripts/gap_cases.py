@@ -11,8 +11,8 @@ import time
 from pathlib import Path
 
 from boom_mj.cli.arguments import find_machine
+from boom_mj.diagnosis import Campaign, diagnose, document
 from boom_mj.files import write_text
-from boom_mj.gap import Campaign, diagnose, document
 from boom_mj.logs import read_log
 
 

@@ -11,11 +11,11 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
-from boom_mj.gap.candidate import Candidate
-from boom_mj.gap.fit import fit
-from boom_mj.gap.judge import gap, judge
-from boom_mj.gap.metric import make_metric
-from boom_mj.gap.mjcf import robot_campaign
+from boom_mj.diagnosis.candidate import Candidate
+from boom_mj.diagnosis.fitting import fit
+from boom_mj.diagnosis.linearisation import make_metric
+from boom_mj.diagnosis.scoring import gap, judge
+from boom_mj.systems.mjcf import robot_campaign
 
 PARAMETERS = ("viscous_friction", "joint_stiffness", "armature", "body_mass", "link_stiffness", "link_damping")
 

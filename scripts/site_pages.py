@@ -28,8 +28,8 @@ ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "boom_mj"
 ROOMS = (
     "boom_mj", "boom_mj.errors", "boom_mj.machine", "boom_mj.recording", "boom_mj.effects", "boom_mj.reference",
-    "boom_mj.mjcf", "boom_mj.simulation", "boom_mj.sensors", "boom_mj.logs", "boom_mj.calibration", "boom_mj.gap",
-    "boom_mj.gap.mjcf", "boom_mj.gap.blind", "boom_mj.report",
+    "boom_mj.mjcf", "boom_mj.simulation", "boom_mj.sensors", "boom_mj.logs", "boom_mj.calibration", "boom_mj.diagnosis",
+    "boom_mj.systems.mjcf", "boom_mj.blind", "boom_mj.report",
 )  # fmt: skip
 LAST = 35  # equation of the paper
 EQUATION = re.compile(r"(?<![\w)\]])\((\d\d?)[a-d]?\)(?:-\((\d\d?)\))?|\beqs?\. \(?(\d\d?)\)?(?:, (\d\d?))?")

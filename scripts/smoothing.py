@@ -18,7 +18,8 @@ from scipy.signal import butter, sosfiltfilt
 from boom_mj.logs import read_log
 from boom_mj.machine import load_machine
 from boom_mj.recording import Recording, named_signal
-from boom_mj.sensors import compare, ideal_signals, noise_levels, sample
+from boom_mj.replay import compare
+from boom_mj.sensors import ideal_signals, noise_levels, sample
 from boom_mj.simulation import Plant, make_plant, run, smooth_angles, step_times
 from boom_mj.simulation.smoothing import resting, third_difference_bands
 

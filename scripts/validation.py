@@ -11,7 +11,7 @@ import numpy as np
 from boom_mj.logs import read_mcap
 from boom_mj.machine import load_machine
 from boom_mj.reference import ReferenceModel, Simplifications, integrate
-from boom_mj.sensors import replay
+from boom_mj.replay import replay
 from boom_mj.simulation import CATALOGUE, make_plant, run_experiment
 from boom_mj.simulation.agreement import FIGURES, compare_models, random_poses
 

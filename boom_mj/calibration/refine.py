@@ -12,8 +12,8 @@ from scipy.optimize import least_squares
 
 from boom_mj.calibration.evidence import COARSE, HINGES, PACE, Evidence
 from boom_mj.calibration.identify import covariance
-from boom_mj.calibration.intervals import robust_variance
 from boom_mj.calibration.parameters import OFFSET, Setting, Space
+from boom_mj.estimation.intervals import robust_variance
 
 Array = np.ndarray
 NEAR = 0.05  # of a logarithm, within which sensitivities stay

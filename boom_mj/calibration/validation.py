@@ -16,7 +16,8 @@ from boom_mj.calibration.evidence import FINEST, Evidence
 from boom_mj.calibration.parameters import Setting
 from boom_mj.calibration.release import LEAST_DECAY, SETTLED, release_of, stop_of
 from boom_mj.recording import Recording, named_signal
-from boom_mj.sensors import Group, compare, ideal_signals, noise_levels, sample
+from boom_mj.replay import Group, compare
+from boom_mj.sensors import ideal_signals, noise_levels, sample
 from boom_mj.sensors.blocks import Blocks
 from boom_mj.simulation import Plant, Trajectory, make_plant
 

@@ -47,8 +47,8 @@ def make(
 
     Example: python -m boom_mj gap blind make --cases 20 --seed-file secret.bin -o cases --seal answers.seal --jobs 2
     """
+    from boom_mj.blind import MIX, SHORT, SUITE, make_cases
     from boom_mj.cli.progress import progress
-    from boom_mj.gap.blind import MIX, SHORT, SUITE, make_cases
 
     output_folder(output)
     output_path(seal)
@@ -76,8 +76,8 @@ def run(
 
     Example: python -m boom_mj gap blind run cases --jobs 2
     """
+    from boom_mj.blind import answer_cases, waiting_cases
     from boom_mj.cli.progress import progress
-    from boom_mj.gap.blind import answer_cases, waiting_cases
 
     answers = output_folder(_answers(folder, output))
     waiting, count = waiting_cases(folder, answers)
@@ -121,9 +121,9 @@ def score(
 
     Example: python -m boom_mj gap blind score cases --seal answers.seal -o score.html
     """
+    from boom_mj.blind import confusion_svg, html_page, markdown_page, pooled, with_hindsight
+    from boom_mj.blind import score as hold
     from boom_mj.cli.progress import progress
-    from boom_mj.gap.blind import confusion_svg, html_page, markdown_page, pooled, with_hindsight
-    from boom_mj.gap.blind import score as hold
 
     if page is not None and page.suffix not in (".md", ".html"):
         raise InputError(f"{page}: a page is a .md or a .html file")

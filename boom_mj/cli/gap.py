@@ -98,8 +98,8 @@ def diagnose(
 
     Example: python -m boom_mj gap diagnose a.mcap b.mcap --holdout c.mcap --html gap.html -o corrected.toml
     """
-    from boom_mj.gap import Campaign, document, with_effects_text
-    from boom_mj.gap import diagnose as find
+    from boom_mj.diagnosis import Campaign, document, with_effects_text
+    from boom_mj.diagnosis import diagnose as find
 
     if model is not None and channels is None:
         raise InputError("--model needs a channel map: say which field of the log is what with --map MAP.toml")
@@ -123,7 +123,7 @@ def diagnose(
         print(f"{time.perf_counter() - began:6.1f} s  {line}", file=sys.stderr)
 
     if channels is not None:
-        from boom_mj.gap.mjcf import corrected_model, robot_campaign
+        from boom_mj.systems.mjcf import corrected_model, robot_campaign
 
         campaign = robot_campaign(logs, holdout or (), channels, model)
         names = [log.name for log in campaign.recordings]
@@ -173,14 +173,14 @@ def _named(effect: dict[str, Any]) -> str:
 
 
 def _write_predictions(found: Any, folder: Path, paths: list[Path]) -> None:
-    from boom_mj.gap import twins
-    from boom_mj.gap.mjcf import Robot, twin_tables
+    from boom_mj.diagnosis import twins
+    from boom_mj.systems.mjcf import MjcfSystem, twin_tables
 
     folder.mkdir(parents=True, exist_ok=True)
     campaign, stems = found.metric.campaign, _stems(paths)
     for kind in ("nominal", "corrected"):
         said = twins(found, kind == "corrected")
-        if isinstance(campaign.subject, Robot):
+        if isinstance(campaign.subject, MjcfSystem):
             for log_path, table in twin_tables(campaign, said).items():
                 write_columns(folder / f"{stems[Path(log_path)]}.{kind}.csv", table)
             continue

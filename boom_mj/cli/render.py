@@ -11,7 +11,8 @@ from boom_mj.cli.progress import progress
 from boom_mj.errors import InputError
 from boom_mj.logs import read_log, write_mcap
 from boom_mj.recording import Recording
-from boom_mj.sensors import measure, replay
+from boom_mj.replay import replay
+from boom_mj.sensors import measure
 from boom_mj.simulation import CATALOGUE, Trajectory, load_experiment, make_plant, run_experiment
 
 LAYOUTS = ("coco", "nerfstudio", "bop", "mcap")

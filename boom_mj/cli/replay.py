@@ -11,8 +11,9 @@ import typer
 from boom_mj.cli.arguments import Hinges, find_machine, last_states_beside, output_path
 from boom_mj.errors import InputError
 from boom_mj.logs import load_topic_map, read_log, write_mcap
-from boom_mj.sensors import Replay, boom_scene, replay
-from boom_mj.sensors.quality import Quality, assess
+from boom_mj.replay import Replay, replay
+from boom_mj.replay.quality import Quality, assess
+from boom_mj.sensors import boom_scene
 from boom_mj.simulation import make_plant
 
 

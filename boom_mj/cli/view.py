@@ -13,7 +13,7 @@ import typer
 from boom_mj.cli.arguments import Hinges, find_machine
 from boom_mj.errors import BoomError
 from boom_mj.logs import read_mcap
-from boom_mj.sensors import replay
+from boom_mj.replay import replay
 from boom_mj.simulation import Trajectory, load_experiment, make_plant, run_experiment
 
 FRAME = 1 / 30  # s

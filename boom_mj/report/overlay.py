@@ -9,8 +9,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from boom_mj.files import whole_file
+from boom_mj.replay import Replay
 from boom_mj.report.colours import MEASURED, NOMINAL
-from boom_mj.sensors import Replay
 
 PANELS = (
     ("markers", "marker12/z", "tip height"),

@@ -12,8 +12,8 @@ import numpy as np
 from boom_mj.errors import LogError
 from boom_mj.machine import Machine
 from boom_mj.recording import Recording, Signal
+from boom_mj.sensors.driving import check_drivable
 from boom_mj.sensors.measure import noise_levels, sample
-from boom_mj.sensors.replay import check_drivable
 
 Array = np.ndarray
 BLOCK = 0.1  # s

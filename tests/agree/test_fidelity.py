@@ -5,12 +5,12 @@ from pathlib import Path
 
 import numpy as np
 
-from boom_mj.gap import Campaign
-from boom_mj.gap.metric import make_metric
-from boom_mj.gap.subject import Level
+from boom_mj.diagnosis import Campaign
+from boom_mj.diagnosis.linearisation import make_metric
 from boom_mj.logs import read_log
 from boom_mj.machine import load_machine
 from boom_mj.recording import window
+from boom_mj.systems.system import Level
 
 ROOT = Path(__file__).parents[2]
 SAME = 0.2  # of the error's size: what orders beyond the first may make of it

@@ -6,7 +6,7 @@ import pytest
 
 from boom_mj.logs import read_mcap
 from boom_mj.machine import load_machine
-from boom_mj.sensors import replay
+from boom_mj.replay import replay
 from boom_mj.simulation import make_plant
 
 ROOT = Path(__file__).parents[2]

@@ -6,15 +6,15 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
+from boom_mj.diagnosis import Campaign
+from boom_mj.diagnosis.linearisation import Metric
 from boom_mj.effects import make_effect
-from boom_mj.gap import Campaign
-from boom_mj.gap.metric import Metric
-from boom_mj.gap.push import pushes
-from boom_mj.gap.subject import Level
 from boom_mj.logs import read_log
 from boom_mj.machine import load_machine
 from boom_mj.recording import window
 from boom_mj.simulation import make_plant
+from boom_mj.systems.boom.residual_force import pushes
+from boom_mj.systems.system import Level
 
 ROOT = Path(__file__).parents[2]
 BOOM = load_machine(ROOT / "models" / "boom36.toml")

@@ -15,12 +15,13 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+import boom_mj.blind
 import boom_mj.calibration
 import boom_mj.cameras.chain
 import boom_mj.cameras.render
-import boom_mj.gap.blind
-import boom_mj.gap.mjcf
-import boom_mj.report  # noqa: F401  # what commands import when they are called, so that a fork has it
+import boom_mj.diagnosis
+import boom_mj.report
+import boom_mj.systems.mjcf  # noqa: F401  # what commands import when they are called, so that a fork has it
 from boom_mj.cli import run
 
 MEMORY, SECONDS = 4 * 2**30, 60  # bytes of address space, s of CPU

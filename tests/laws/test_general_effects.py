@@ -7,11 +7,11 @@ from tempfile import mkdtemp
 import numpy as np
 import pytest
 
+from boom_mj.diagnosis import Campaign
 from boom_mj.effects import Effect
 from boom_mj.effects.general_effect import SpecEffect, general_library
-from boom_mj.gap import Campaign
-from boom_mj.gap.mjcf import Robot, robot_campaign
-from boom_mj.gap.subject import Level
+from boom_mj.systems.mjcf import MjcfSystem, robot_campaign
+from boom_mj.systems.system import Level
 
 ARM = """
 <mujoco model="arm">
@@ -77,9 +77,9 @@ def campaign() -> Campaign:
     return robot_campaign([folder / "log.csv"], [], folder / "map.toml")
 
 
-def robot() -> Robot:
+def robot() -> MjcfSystem:
     subject = campaign().subject
-    assert isinstance(subject, Robot)
+    assert isinstance(subject, MjcfSystem)
     return subject
 
 

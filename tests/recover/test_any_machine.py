@@ -13,8 +13,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from boom_mj.gap import diagnose, document
-from boom_mj.gap.mjcf import robot_campaign
+from boom_mj.diagnosis import diagnose, document
+from boom_mj.systems.mjcf import robot_campaign
 
 PENDULUM = """
 <mujoco model="pendulum">

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from boom_mj.blind import Suite, answer_cases, make_cases, score, waiting_cases, with_hindsight
+from boom_mj.blind.generate import STAMP
+from boom_mj.blind.unlisted import UNLISTED
 from boom_mj.effects import effect_library
-from boom_mj.gap.blind import Suite, answer_cases, make_cases, score, waiting_cases, with_hindsight
-from boom_mj.gap.blind.making import STAMP
-from boom_mj.gap.blind.strangers import STRANGERS
 from boom_mj.logs import read_log, write_mcap
 from boom_mj.simulation import CATALOGUE, Experiment
 
@@ -71,7 +71,7 @@ def test_cases_differ_in_their_samples_only(made: Path, tmp_path: Path) -> None:
 
 def test_no_file_holds_a_word_of_the_seal(made: Path) -> None:
     text = json.loads((made / "seal.json").read_text())
-    words = [*effect_library(), *STRANGERS, text["salt"], text["seed_sha256"], "single", "none", "withheld", "stranger"]
+    words = [*effect_library(), *UNLISTED, text["salt"], text["seed_sha256"], "single", "none", "withheld", "stranger"]
     for path in (made / "cases").rglob("*"):
         if path.is_file() and path.name not in ("withhold.json", "machine.toml"):
             content = path.read_bytes()

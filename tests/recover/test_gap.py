@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from boom_mj.diagnosis import Campaign, Diagnosis, diagnose, document, with_effects, with_effects_text
+from boom_mj.diagnosis.candidate import Candidate
+from boom_mj.diagnosis.fitting import climb, fit
+from boom_mj.diagnosis.linearisation import make_metric
+from boom_mj.diagnosis.localisation import locate
 from boom_mj.effects import Effect, make_effect, parse_effect
-from boom_mj.gap import Campaign, Diagnosis, diagnose, document, with_effects, with_effects_text
-from boom_mj.gap.candidate import Candidate
-from boom_mj.gap.fit import climb, fit
-from boom_mj.gap.metric import make_metric
-from boom_mj.gap.where import locate
 from boom_mj.machine import load_machine, parse_machine
 from boom_mj.recording import Recording, named_signal
 from boom_mj.sensors import measure

@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from boom_mj.gap import diagnose, document
-from boom_mj.gap.mjcf import load_channel_map, robot_campaign
+from boom_mj.diagnosis import diagnose, document
+from boom_mj.systems.mjcf import load_channel_map, robot_campaign
 
 ROOT = Path(__file__).parents[2]
 REAL = Path(os.environ.get("BOOM_MJ_REAL", ROOT.parent / "shared" / "real"))

@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from boom_mj.gap import Campaign
-from boom_mj.gap.boom import tolerances
-from boom_mj.gap.metric import Metric
+from boom_mj.diagnosis import Campaign
+from boom_mj.diagnosis.linearisation import Metric
 from boom_mj.logs import read_log
 from boom_mj.machine import load_machine
 from boom_mj.recording import window
+from boom_mj.systems.boom.system import tolerances
 
 ROOT = Path(__file__).parents[2]
 

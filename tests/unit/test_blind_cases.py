@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 import boom_mj
+from boom_mj.blind import MIX, SHORT, make_cases, waiting_cases
+from boom_mj.blind.plant import HINGES, true_plant
+from boom_mj.blind.sampling import NUISANCE, draw, orders
+from boom_mj.blind.sandbox import confined_to
+from boom_mj.blind.unlisted import UNLISTED
 from boom_mj.effects import effect_library
 from boom_mj.errors import InputError
-from boom_mj.gap.blind import MIX, SHORT, make_cases, waiting_cases
-from boom_mj.gap.blind.confining import confined_to
-from boom_mj.gap.blind.drawing import NUISANCE, draw, orders
-from boom_mj.gap.blind.strangers import STRANGERS
-from boom_mj.gap.blind.truth import HINGES, true_plant
-from boom_mj.gap.boom import FINE
 from boom_mj.machine import load_machine
 from boom_mj.mjcf import build
+from boom_mj.systems.boom.system import FINE
 
 ROOT = Path(__file__).parents[2]
 BOOM = load_machine(ROOT / "models" / "boom36.toml")
@@ -29,7 +29,7 @@ def test_classes_have_their_shares_and_effects_are_dealt_evenly() -> None:
     singles = Counter(order.ids[0] for order in found if order.kind == "single")
     assert set(singles) == set(effect_library()) - {NUISANCE} and max(singles.values()) - min(singles.values()) <= 1
     assert sorted(order.without for order in found if order.kind == "withheld") == sorted(singles)
-    assert len({order.ids[0] for order in found if order.kind == "stranger"}) == len(STRANGERS) >= 5
+    assert len({order.ids[0] for order in found if order.kind == "stranger"}) == len(UNLISTED) >= 5
     assert [order.kind for order in found] != sorted(order.kind for order in found)
     for order in found:
         assert len(set(order.ids)) == {"none": 0, "pair": 2}.get(order.kind, 1)
@@ -60,12 +60,12 @@ def test_what_does_not_show_is_drawn_again() -> None:
 
 
 def test_strangers_are_described_nowhere_in_the_library() -> None:
-    assert not set(STRANGERS) & set(effect_library())
+    assert not set(UNLISTED) & set(effect_library())
     written = "".join(path.read_text() for path in (ROOT / "boom_mj" / "effects").rglob("*.py"))
-    assert not [name for name in STRANGERS if name in written]
+    assert not [name for name in UNLISTED if name in written]
 
 
-@pytest.mark.parametrize("kind", STRANGERS.values(), ids=lambda kind: kind.id)
+@pytest.mark.parametrize("kind", UNLISTED.values(), ids=lambda kind: kind.id)
 def test_strangers_compile_into_a_machine_that_stands(kind: type) -> None:
     effect = draw(kind.id, np.random.default_rng(3), lambda effects: 9.0)[0]
     assert np.all(np.isfinite(true_plant(BOOM, [effect]).static_equilibrium(np.radians([0, 60, -35, -40, -45]))))

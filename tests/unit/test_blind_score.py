@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from boom_mj.blind import confusion_svg, html_page, markdown_page, pooled, score
+from boom_mj.blind.figures import figures, held, wilson
+from boom_mj.blind.grading import NO_ANSWER, Outcome, errors_of, judge_case, twins
 from boom_mj.errors import InputError
-from boom_mj.gap.blind import confusion_svg, html_page, markdown_page, pooled, score
-from boom_mj.gap.blind.judging import NO_ANSWER, Outcome, errors_of, judge_case, twins
-from boom_mj.gap.blind.scoring import figures, held, wilson
 
 
 def effect(name: str, location: dict | None = None, **values: float) -> dict:

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from boom_mj.diagnosis import Campaign
 from boom_mj.errors import LogError, LogWarning
-from boom_mj.gap import Campaign
 from boom_mj.logs import read_log
 from boom_mj.machine import load_machine
 from boom_mj.recording import Recording, window

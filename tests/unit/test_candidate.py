@@ -1,9 +1,9 @@
 """Candidates: what is left of them with one effect or knob less."""
 
+from boom_mj.diagnosis.candidate import Candidate, causes
 from boom_mj.effects import effect_library, parse_effect
 from boom_mj.effects.general.coulomb_friction import CoulombFriction
 from boom_mj.effects.general.joint_friction import JointFriction
-from boom_mj.gap.candidate import Candidate, causes
 
 
 def labels(*effects: str) -> set[str]:

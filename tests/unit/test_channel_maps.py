@@ -7,9 +7,9 @@ import pytest
 from scipy.io import savemat
 
 from boom_mj.errors import ChannelMapError, LogError
-from boom_mj.gap.mjcf import robot_campaign
-from boom_mj.gap.mjcf.channel_map import parse_channel_map
 from boom_mj.logs.columns import read_columns
+from boom_mj.systems.mjcf import robot_campaign
+from boom_mj.systems.mjcf.channel_map import parse_channel_map
 
 MODEL = """<mujoco><worldbody><body><joint name="swing"/><geom size="0.1" mass="1" pos="0 0 -1"/></body></worldbody>
 <actuator><motor name="motor" joint="swing"/></actuator></mujoco>"""

@@ -5,29 +5,29 @@ from types import SimpleNamespace
 import numpy as np
 from pytest import MonkeyPatch, mark
 
+from boom_mj.diagnosis import stages
+from boom_mj.diagnosis.candidate import Candidate
+from boom_mj.diagnosis.decision import choose, solved
+from boom_mj.diagnosis.fitting import Fit
+from boom_mj.diagnosis.scoring import Scored
+from boom_mj.diagnosis.stages import RUNNERS, _shared
 from boom_mj.effects import parse_effect
-from boom_mj.gap import contest
-from boom_mj.gap.boom import Boom
-from boom_mj.gap.candidate import Candidate
-from boom_mj.gap.choice import choose, solved
-from boom_mj.gap.contest import RUNNERS, _shared
-from boom_mj.gap.fit import Fit
-from boom_mj.gap.judge import Judged
+from boom_mj.systems.boom.system import BoomSystem
 
-METRIC = SimpleNamespace(campaign=SimpleNamespace(subject=Boom))  # whose thresholds are a boom's
+METRIC = SimpleNamespace(campaign=SimpleNamespace(subject=BoomSystem))  # whose thresholds are a boom's
 NOMINAL = (12.0, 12.0)
 PAYLOAD, CONCRETE, SOFT = "tip_payload:mass=27", "pipe_concrete:fill=0.1", "base_compliance:axes=roll,roll=1e8"
 SOFTER = "base_compliance:axes=roll+pitch,roll=1e8,pitch=1e8"
 
 
-def judged(gap: float, *effects: str) -> Judged:
+def judged(gap: float, *effects: str) -> Scored:
     candidate = Candidate(tuple(map(parse_effect, effects)))
     empty = np.zeros((0, len(candidate.start)))
     fit = Fit(candidate, candidate.start, candidate.effects, empty[:, 0], empty, 0.0)
-    return Judged(fit, METRIC, gap, gap, candidate.start)
+    return Scored(fit, METRIC, gap, gap, candidate.start)
 
 
-def chosen(*contest: Judged) -> str | None:
+def chosen(*contest: Scored) -> str | None:
     best = choose(sorted(contest, key=lambda j: j.held_out), NOMINAL)
     return best and best.label
 
@@ -43,10 +43,10 @@ def test_beside_what_suffices_another_is_tried_where_one_may_hide(
     monkeypatch: MonkeyPatch, left: float, promised: float, looks: bool
 ) -> None:
     pair = judged(0.98, PAYLOAD, SOFT)
-    monkeypatch.setattr(contest, "_partners", lambda *given: [SimpleNamespace(share=promised)])
-    monkeypatch.setattr(contest, "_paired", lambda found, *given: [pair, *found])
-    monkeypatch.setattr(contest, "_simpler", lambda found, nominal: found)
-    assert (pair in contest.combined([judged(left, PAYLOAD)], NOMINAL, (), print)) == looks
+    monkeypatch.setattr(stages, "_partners", lambda *given: [SimpleNamespace(share=promised)])
+    monkeypatch.setattr(stages, "_paired", lambda found, *given: [pair, *found])
+    monkeypatch.setattr(stages, "_simpler", lambda found, nominal: found)
+    assert (pair in stages.combined([judged(left, PAYLOAD)], NOMINAL, (), print)) == looks
 
 
 def test_a_second_cause_closes_half_of_what_the_first_leaves() -> None:

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from boom_mj.diagnosis import Campaign
+from boom_mj.diagnosis.linearisation import Metric, allowed, beside
 from boom_mj.effects import make_effect
 from boom_mj.effects.effect import COURSE_TIME, KNOT
-from boom_mj.gap import Campaign
-from boom_mj.gap.course import NONE, Courses, _Plan, courses_of
-from boom_mj.gap.metric import Metric, allowed, beside
+from boom_mj.estimation.latent_input import NONE, Courses, _Plan, courses_of
 
 WIND, BREEZE = ((make_effect("wind", {"mean_speed": speed, "direction": 1.2}),) for speed in (15.0, 2.0))
 STRENGTH = 2.0

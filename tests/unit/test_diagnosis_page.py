@@ -9,16 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from boom_mj.diagnosis import Campaign, Diagnosis
+from boom_mj.diagnosis.answer import document, sentence
+from boom_mj.diagnosis.candidate import Candidate
+from boom_mj.diagnosis.decision import explains
+from boom_mj.diagnosis.fitting import Fit
+from boom_mj.diagnosis.linearisation import Metric
+from boom_mj.diagnosis.scoring import Closure, Scored, closure, gap
+from boom_mj.diagnosis.screening import Screened
 from boom_mj.effects import make_effect
-from boom_mj.gap import Campaign, Diagnosis
-from boom_mj.gap.answer import document, sentence
-from boom_mj.gap.boom import tolerances
-from boom_mj.gap.candidate import Candidate
-from boom_mj.gap.choice import explains
-from boom_mj.gap.fit import Fit
-from boom_mj.gap.judge import Closure, Judged, closure, gap
-from boom_mj.gap.metric import Metric
-from boom_mj.gap.screen import Screened
 from boom_mj.logs import read_log
 from boom_mj.machine import load_machine
 from boom_mj.recording import Recording, window
@@ -26,6 +25,7 @@ from boom_mj.report import write_diagnosis
 from boom_mj.report.diagnosis.page import SECTIONS, diagnosis_page
 from boom_mj.report.diagnosis.view import View
 from boom_mj.report.words import digits_of, gap_size, number, percent, spoken
+from boom_mj.systems.boom.system import tolerances
 
 ROOT = Path(__file__).parents[2]
 BOOM = load_machine(ROOT / "models" / "boom36.toml")
@@ -68,12 +68,12 @@ def residual(m: Metric, size: float) -> np.ndarray:
     return np.where(m.campaign.used, size * np.random.default_rng(1).standard_normal(len(m.weight)), 0.0)
 
 
-def judged(m: Metric, effects: tuple, size: float) -> Judged:
+def judged(m: Metric, effects: tuple, size: float) -> Scored:
     candidate, left = Candidate(effects), residual(m, size)
     count = len(candidate.knobs)
     fit = Fit(candidate, candidate.start, effects, left, np.zeros((len(left), count)), 0.0)
     train, held_out = (gap(left, rows) for rows in (m.campaign.train, m.campaign.held_out))
-    return Judged(fit, m, train, held_out, np.full(count, 0.02))
+    return Scored(fit, m, train, held_out, np.full(count, 0.02))
 
 
 def diagnosis(case: str, training: int = 2) -> Diagnosis:

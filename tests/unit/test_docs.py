@@ -18,9 +18,9 @@ from typer.core import TyperGroup
 
 from boom_mj.cli import app
 from boom_mj.effects import Effect
-from boom_mj.gap.mjcf import load_channel_map
 from boom_mj.machine import load_machine
 from boom_mj.simulation import load_experiment, make_plant
+from boom_mj.systems.mjcf import load_channel_map
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]

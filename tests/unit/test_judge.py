@@ -5,18 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from boom_mj.diagnosis.candidate import Candidate
+from boom_mj.diagnosis.fitting import Fit
+from boom_mj.diagnosis.linearisation import Metric
+from boom_mj.diagnosis.scoring import LOOKS, Scored, across
 from boom_mj.effects import make_effect
-from boom_mj.gap.candidate import Candidate
-from boom_mj.gap.fit import Fit
-from boom_mj.gap.judge import LOOKS, Judged, across
-from boom_mj.gap.metric import Metric
 
 
-def judged(metric: Metric, kind: str, **values: float) -> Judged:
+def judged(metric: Metric, kind: str, **values: float) -> Scored:
     """A fit that is as sure as derivatives may be."""
     candidate, left = Candidate((make_effect(kind, values),)), np.zeros(len(metric.weight))
     fit = Fit(candidate, candidate.start, candidate.effects, left, left[:, None], 0.0)
-    return Judged(fit, metric, 1.0, 1.0, np.array([1e-6]))
+    return Scored(fit, metric, 1.0, 1.0, np.array([1e-6]))
 
 
 def test_sizes_that_the_models_own_error_allows_are_within_a_backlashs_interval(metric: Metric):

@@ -5,12 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from boom_mj.diagnosis.linearisation import Metric, beside, of_size
 from boom_mj.effects import make_effect
-from boom_mj.gap.boom import Boom, tolerances
-from boom_mj.gap.metric import Metric, beside, of_size
+from boom_mj.systems.boom.system import BoomSystem, tolerances
 
 ROOT = Path(__file__).parents[2]
-ALIKE = Boom.fidelity.alike
+ALIKE = BoomSystem.fidelity.alike
 
 
 def test_products_of_whitened_vectors_are_those_of_the_inverse_covariance(metric: Metric):

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
-from boom_mj.gap.candidate import Candidate
-from boom_mj.gap.fit import fit
-from boom_mj.gap.judge import deviations, judge
-from boom_mj.gap.metric import make_metric
-from boom_mj.gap.mjcf import robot_campaign
+from boom_mj.diagnosis.candidate import Candidate
+from boom_mj.diagnosis.fitting import fit
+from boom_mj.diagnosis.linearisation import make_metric
+from boom_mj.diagnosis.scoring import deviations, judge
+from boom_mj.systems.mjcf import robot_campaign
 
 MODEL = """<mujoco><option gravity="0 0 0"/><worldbody><body name="arm"><joint name="swing"/>
 <geom size="0.1" mass="1" pos="1 0 0"/></body></worldbody>

@@ -11,7 +11,7 @@ from boom_mj.errors import LogError
 from boom_mj.logs import read_log
 from boom_mj.machine import load_machine
 from boom_mj.recording import Recording, Signal
-from boom_mj.sensors.quality import Quality, assess
+from boom_mj.replay.quality import Quality, assess
 from boom_mj.simulation import make_plant
 
 ROOT = Path(__file__).parents[2]

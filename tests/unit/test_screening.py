@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from boom_mj.diagnosis.linearisation import Metric
+from boom_mj.diagnosis.screening import Signatures
 from boom_mj.effects import effect_library
-from boom_mj.gap.metric import Metric
-from boom_mj.gap.screen import Signatures
 
 PULSE, UP = effect_library()["pump_pulsation"], {"direction": "vertical"}
 

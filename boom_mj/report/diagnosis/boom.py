@@ -11,15 +11,15 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from boom_mj.gap.boom import Boom, sensor_place
-from boom_mj.gap.campaign import Channel
-from boom_mj.gap.choice import QUIET as UNASKED
-from boom_mj.gap.subject import Push
+from boom_mj.diagnosis.decision import QUIET as UNASKED
 from boom_mj.report.colours import CORRECTED, FAINT, MEASURED, QUIET
 from boom_mj.report.diagnosis.geometry import Side, place_of, side_view
 from boom_mj.report.diagnosis.view import View
 from boom_mj.report.drawing import HEAT, draw, gap_ticks
 from boom_mj.report.words import number
+from boom_mj.systems.boom.system import BoomSystem, sensor_place
+from boom_mj.systems.predictor import Channel
+from boom_mj.systems.system import ResidualForce
 
 Array = np.ndarray
 WIDTH = 1080  # px
@@ -38,7 +38,7 @@ class Sensed:
     gaps: Mapping[str, float]
 
 
-def picture(view: View, boom: Boom) -> Mapping[str, Any]:
+def picture(view: View, boom: BoomSystem) -> Mapping[str, Any]:
     """What `boom.html` shows."""
     index = worst_recording(view)
     angles = view.campaign.recordings[index]["joint/position"].values[0]
@@ -78,7 +78,7 @@ def picture(view: View, boom: Boom) -> Mapping[str, Any]:
     }
 
 
-def _shown(push: Push) -> tuple[str, str, str, float]:
+def _shown(push: ResidualForce) -> tuple[str, str, str, float]:
     """Part, direction, force and ratio as the table has them."""
     part, direction = f"{push.part[:-1]} {push.part[-1]}", BENDING.get(push.direction, push.direction)
     return part, direction, f"{number(push.force)} {push.unit}", push.ratio

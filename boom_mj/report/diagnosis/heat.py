@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.colors import to_hex
 
-from boom_mj.gap.where import Cell
+from boom_mj.diagnosis.localisation import Cell
 from boom_mj.report.diagnosis.view import View
 from boom_mj.report.drawing import HEAT
 

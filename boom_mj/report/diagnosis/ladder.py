@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from boom_mj.gap.answer import rival
-from boom_mj.gap.judge import Judged
+from boom_mj.diagnosis.answer import rival
+from boom_mj.diagnosis.scoring import Scored
 from boom_mj.report.diagnosis.view import View
 from boom_mj.report.drawing import gap_ticks
 from boom_mj.report.section import Section
@@ -66,7 +66,7 @@ def _own(view: View) -> str:
     return "the explanation"
 
 
-def _why_not(view: View, judged: Judged, nominal: tuple[float, float]) -> str:
+def _why_not(view: View, judged: Scored, nominal: tuple[float, float]) -> str:
     """Why a rival lost; what it closes only where it closes anything."""
     if not judged.held_out > nominal[1]:
         return spoken(rival(view.found, judged)["why_not"])

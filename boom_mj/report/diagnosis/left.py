@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from boom_mj.gap.diagnose import HEALTHY
-from boom_mj.gap.where import looks
+from boom_mj.diagnosis.diagnose import HEALTHY
+from boom_mj.diagnosis.localisation import looks
 from boom_mj.report.diagnosis.heat import heat_map
 from boom_mj.report.diagnosis.view import View
 from boom_mj.report.section import Section

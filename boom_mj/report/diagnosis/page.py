@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from boom_mj.diagnosis import Diagnosis, document
 from boom_mj.files import write_text
-from boom_mj.gap import Diagnosis, document
 from boom_mj.report.diagnosis import change, ladder, left, machine, overlays, verdict, where
 from boom_mj.report.diagnosis.view import View
 from boom_mj.report.templating import page_environment

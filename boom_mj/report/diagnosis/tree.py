@@ -9,10 +9,10 @@ import mujoco
 import numpy as np
 from matplotlib.colors import LogNorm, to_hex
 
-from boom_mj.gap.mjcf import Robot
-from boom_mj.gap.mjcf.places import links
 from boom_mj.report.diagnosis.view import Change, View
 from boom_mj.report.drawing import HEAT
+from boom_mj.systems.mjcf import MjcfSystem
+from boom_mj.systems.mjcf.sites import links
 
 ROLES = {"drive": "its measured motion drives", "control": "commanded", "compare": "judged"}
 
@@ -38,7 +38,7 @@ class Row:
     effects: Sequence[str]
 
 
-def picture(view: View, robot: Robot) -> Mapping[str, Any]:
+def picture(view: View, robot: MjcfSystem) -> Mapping[str, Any]:
     """What `tree.html` shows."""
     places = [robot.entries[channel.group].place for channel in view.campaign.channels]
     changes = view.changes(places, view.campaign.held_out)
@@ -65,7 +65,7 @@ def picture(view: View, robot: Robot) -> Mapping[str, Any]:
     return {"rows": rows, "whole": whole, "corrected": view.corrected}
 
 
-def parts(robot: Robot) -> Iterator[Part]:
+def parts(robot: MjcfSystem) -> Iterator[Part]:
     """Bodies, root outward, each followed by what sits on it; a chain of hinges of a flexible link is one part."""
     model, flexible = robot.spec.copy().compile(), links(robot.spec)
     children, hosts, moved = defaultdict(list), defaultdict(list), defaultdict(list)

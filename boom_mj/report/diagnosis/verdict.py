@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from boom_mj.gap import estimated_tolerances
+from boom_mj.diagnosis import estimated_tolerances
 from boom_mj.report.diagnosis.view import View
 from boom_mj.report.section import Section
 from boom_mj.report.words import (

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from boom_mj.diagnosis import Campaign, Diagnosis
+from boom_mj.diagnosis.linearisation import Metric
+from boom_mj.diagnosis.localisation import Cell, locate
 from boom_mj.effects import Effect
-from boom_mj.gap import Campaign, Diagnosis
-from boom_mj.gap.metric import Metric
-from boom_mj.gap.subject import Subject
-from boom_mj.gap.where import Cell, locate
 from boom_mj.report.words import SPACE
+from boom_mj.systems.system import System
 
 Array = np.ndarray
 LOG = re.compile(r"\.(mcap|bag|db3|csv|mat)(\.gz)?\b")
@@ -47,7 +47,7 @@ class View:
         return self.found.metric.campaign
 
     @property
-    def subject(self) -> Subject:
+    def subject(self) -> System:
         return self.campaign.subject
 
     @property

@@ -1,0 +1,20 @@
+"""The blind check: cases whose effect is sealed, their diagnosis by processes that cannot know it, and the score.
+
+`making` draws and simulates on a plant that is not the diagnosing model, `running` diagnoses, `scoring` opens the seal,
+`hindsight` tells of misses whether the search or the model is to blame.
+"""
+
+from boom_mj.blind.figures import Score as Score
+from boom_mj.blind.figures import pooled as pooled
+from boom_mj.blind.figures import score as score
+from boom_mj.blind.generate import SHORT as SHORT
+from boom_mj.blind.generate import SUITE as SUITE
+from boom_mj.blind.generate import Suite as Suite
+from boom_mj.blind.generate import make_cases as make_cases
+from boom_mj.blind.oracle import with_hindsight as with_hindsight
+from boom_mj.blind.page import confusion_svg as confusion_svg
+from boom_mj.blind.page import html_page as html_page
+from boom_mj.blind.page import markdown_page as markdown_page
+from boom_mj.blind.run import answer_cases as answer_cases
+from boom_mj.blind.run import waiting_cases as waiting_cases
+from boom_mj.blind.sampling import MIX as MIX

@@ -1,0 +1,56 @@
+"""How plainly an effect shows: what an oracle that knows the machine to the last bolt would see above the noise.
+
+The change that an effect makes in a coarse model, in units of the noise of block means, less what zero offsets of the
+joints could explain, as root mean square over all channels of all experiments. It says nothing about any diagnosis.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from boom_mj.effects import AngleEffect, Effect, effects_of, make_effect
+from boom_mj.machine import Machine
+from boom_mj.mjcf import build
+from boom_mj.sensors import ideal_signals, noise_levels, sample_rates, true_angles
+from boom_mj.sensors.blocks import BLOCK, block_means
+from boom_mj.simulation import Experiment, run, step_times
+from boom_mj.simulation.plant import with_effects
+
+Array = np.ndarray
+HINGES = 2
+OFFSET = 0.005  # rad, step of the zero offsets' columns
+
+
+class Detectability:
+    """An oracle's view of some experiments on a machine."""
+
+    def __init__(self, machine: Machine, experiments: Sequence[Experiment]):
+        self.machine, self.experiments, self.boom = machine, tuple(experiments), build(machine, HINGES)
+        self.healthy = self._seen(())
+        offsets = [self._seen((make_effect("joint_zero_offset", {f"joint{k}": OFFSET}),)) for k in range(1, 6)]
+        self.basis = np.linalg.qr(np.stack(offsets, axis=1) - self.healthy[:, None])[0]  # (N, 5)
+
+    def visibility(self, effects: Sequence[Effect]) -> float:
+        """Root mean square of what effects change, in deviations of the noise.
+
+        Raises:
+            EquilibriumError, SimulationError: the machine does not stand these effects.
+        """
+        change = self._seen(effects) - self.healthy
+        rest = change - self.basis @ (self.basis.T @ change)
+        return float(np.sqrt(np.mean(rest**2)))
+
+    def _seen(self, effects: Sequence[Effect]) -> Array:
+        """All noisy channels but the joints' own, averaged over blocks and over their noise, (N,)."""
+        plant = with_effects(self.boom, (*effects_of(self.machine), *effects))
+        levels, rates, parts = noise_levels(self.machine), sample_rates(self.machine), []
+        for experiment in self.experiments:
+            time = step_times(plant, experiment.duration)
+            angles = [effect for effect in effects if isinstance(effect, AngleEffect)]
+            path = true_angles(angles, experiment.joint_path(time)[0])
+            signals = ideal_signals(run(plant, path, experiment.tip_force(time)))
+            for name in levels:
+                if name != "joint/position":
+                    noise = levels[name] / np.sqrt(rates[name] * BLOCK)
+                    parts += [block_means(time, column)[2] / n for column, n in zip(signals[name].values.T, noise)]
+        return np.concatenate(parts)

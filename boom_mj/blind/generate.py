@@ -1,0 +1,214 @@
+"""Making a campaign of blind cases: logs in one folder, answers in a sealed file elsewhere.
+
+    DIR/machine.toml            the nominal machine
+    DIR/seal.sha256             hash of the sealed answers
+    DIR/CASE/withhold.json      the effect that the diagnosis of this case does without
+    DIR/CASE/train/*.mcap       recordings to learn from
+    DIR/CASE/holdout/*.mcap     recordings to judge by
+
+Names, order and times of files say nothing: cases are named by hashes of the secret, all times are STAMP, and a log
+holds what its sensors said and nothing else (reading and writing it again gives the same bytes).
+"""
+
+import json
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+
+from boom_mj.blind.detectability import Detectability
+from boom_mj.blind.plant import nuisances, true_plant
+from boom_mj.blind.sampling import Order, draw, orders
+from boom_mj.effects import Effect
+from boom_mj.errors import EquilibriumError, InputError, SimulationError
+from boom_mj.files import locked, read_json, sweep, write_text
+from boom_mj.logs import write_mcap
+from boom_mj.machine import parse_machine
+from boom_mj.recording import Recording
+from boom_mj.sensors import record
+from boom_mj.simulation import CATALOGUE, Experiment, run_experiment
+from boom_mj.spreading import results
+
+SECRET = 16  # bytes that a seed file must have, or else it can be guessed from its hash
+STAMP = 946684800  # s, the year 2000: modification time of everything in a campaign
+TRIES = 5
+
+
+@dataclass(frozen=True)
+class Suite:
+    """Experiments to learn from and to judge by."""
+
+    train: tuple[Experiment, ...]
+    holdout: tuple[Experiment, ...]
+
+    @classmethod
+    def named(cls, train: Sequence[str], holdout: Sequence[str]) -> Self:
+        """Experiments of the catalogue."""
+        return cls(tuple(CATALOGUE[name] for name in train), tuple(CATALOGUE[name] for name in holdout))
+
+
+SUITE = Suite.named(
+    ("release_bow_vertical", "release_stretched_horizontal", "release_stretched_vertical", "slew_t", "sweep"),
+    ("fold_in", "mixed", "release_bow_horizontal"),
+)
+"""What a case records: 350 s."""
+SHORT = Suite.named(("release_bow_vertical", "slew_t"), ("release_bow_horizontal",))
+"""What a short case records: 90 s."""
+
+
+@dataclass(frozen=True)
+class _Case:
+    """What a process needs to make a case."""
+
+    name: str
+    entropy: tuple[int, ...]
+    order: Order
+    suite: Suite
+    machine: str
+    folder: str
+
+    def __str__(self) -> str:
+        return f"case {self.name}"
+
+
+def make_cases(
+    cases: int,
+    secret: bytes,
+    machine: str,
+    suite: Suite,
+    mix: dict[str, float],
+    folder: Path,
+    seal: Path,
+    jobs: int = 1,
+    cluster: str | None = None,
+) -> Iterator[int]:
+    """Make a campaign; yields how many cases are done. Cases that an earlier call has finished stay as they are.
+
+    Args:
+        secret: the only source of chance: the same secret gives the same logs and the same seal.
+        machine: text of the nominal machine's file.
+        mix: class -> share.
+        seal: file for the answers, outside the folder.
+        jobs, cluster: see `spread`.
+
+    Raises:
+        InputError: the seal would lie among the cases, the secret is too short, the campaign is sealed already.
+    """
+    if folder.resolve() in seal.resolve().parents:
+        raise InputError(f"{seal}: the seal must lie outside {folder}")
+    if len(secret) < SECRET:
+        raise InputError(f"the seed file holds {len(secret)} bytes; at least {SECRET} are needed to keep the secret")
+    digest = sha256(b"blind cases" + secret).digest()  # not the hash that may be published
+    entropy = tuple(int(word) for word in np.frombuffer(digest, "<u4"))
+    drawn = orders(cases, mix, np.random.default_rng(entropy))
+    todo = [
+        _Case(_hash(digest, "case", k)[:12], (*entropy, k), order, suite, machine, str(folder.resolve()))
+        for k, order in enumerate(drawn)
+    ]
+    parts = seal.with_suffix(".parts")
+    if (folder / "seal.sha256").exists() and not parts.exists():  # with its parts, sealing was interrupted
+        raise InputError(f"{folder} holds a sealed campaign already")
+    with locked(folder), locked(parts):
+        yield from _made(todo, secret, digest, machine, folder, seal, parts, jobs, cluster)
+
+
+def _made(
+    todo: list[_Case],
+    secret: bytes,
+    digest: bytes,
+    machine: str,
+    folder: Path,
+    seal: Path,
+    parts: Path,
+    jobs: int,
+    cluster: str | None,
+) -> Iterator[int]:
+    """Make the cases that are not done, and seal."""
+    waiting = [case for case in todo if not (parts / f"{case.name}.json").exists()]
+    yield len(todo) - len(waiting)
+    for number, (case, answer) in enumerate(results(_make, waiting, jobs, cluster), len(todo) - len(waiting) + 1):
+        _write_json(parts / f"{case.name}.json", answer)
+        yield number
+    answers = {case.name: read_json(parts / f"{case.name}.json", InputError) for case in todo}
+    salt = {"salt": _hash(digest, "salt", 0), "seed_sha256": sha256(secret).hexdigest()}
+    _write_json(seal, {**salt, "cases": dict(sorted(answers.items()))})
+    write_text(folder / "machine.toml", machine)
+    write_text(folder / "seal.sha256", f"{sha256(seal.read_bytes()).hexdigest()}\n")
+    sweep(folder.rglob(".*.part"))
+    _same_times(folder)
+    for part in parts.iterdir():
+        part.unlink()
+    parts.rmdir()
+
+
+def _hash(digest: bytes, purpose: str, number: int) -> str:
+    return sha256(digest + f"{purpose} {number}".encode()).hexdigest()
+
+
+def _write_json(path: Path, content: Any) -> None:
+    write_text(path, json.dumps(content, indent=1) + "\n")
+
+
+def _make(case: _Case) -> dict[str, Any]:
+    """Simulate and write a case; what its seal says."""
+    rng = np.random.default_rng(case.entropy)
+    for _ in range(TRIES):
+        try:
+            sealed, recordings = _drawn(case, rng)
+            break
+        except (EquilibriumError, SimulationError):
+            continue  # the coarse model stood it, the fine one does not
+    else:
+        raise InputError(f"no {case.order.kind} case of {', '.join(case.order.ids)} can be simulated")
+    folder = Path(case.folder) / case.name
+    for part, experiments in (("train", case.suite.train), ("holdout", case.suite.holdout)):
+        (folder / part).mkdir(parents=True, exist_ok=True)
+        for experiment in experiments:
+            write_mcap(recordings[experiment.name], folder / part / f"{experiment.name}.mcap")
+    _write_json(folder / "withhold.json", {"without": [case.order.without]})
+    return sealed
+
+
+def _drawn(case: _Case, rng: np.random.Generator) -> tuple[dict[str, Any], dict[str, Recording]]:
+    machine = parse_machine(case.machine)
+
+    def visibility(effects: Sequence[Effect]) -> float:
+        """In what is learnt from or in what is judged by, whichever shows less."""
+        parts = case.suite.train, case.suite.holdout
+        return min(_eye(case.machine, part).visibility(effects) for part in parts) if effects else 0.0
+
+    own, drawn = nuisances(machine, rng), [draw(name, rng, visibility) for name in case.order.ids]
+    effects = [effect for effect, _ in drawn]
+    named = {(effect.id, *effect.location.values()) for effect in effects}
+    own = tuple(n for n in own if (n.id, *n.location.values()) not in named)  # an effect's size is all there is of it
+    plant = true_plant(machine, (*own, *effects))
+    recordings = {}
+    for experiment in (*case.suite.train, *case.suite.holdout):
+        recordings[experiment.name] = record(run_experiment(plant, experiment), experiment, rng)
+    sealed = {
+        "class": case.order.kind,
+        "effects": [{"id": e.id, "location": e.location, "parameters": values} for e, values in drawn],
+        "visibility": visibility(effects),
+        "nuisances": [_brief(effect) for effect in own],
+    }
+    return sealed, recordings
+
+
+@cache
+def _eye(machine: str, experiments: tuple[Experiment, ...]) -> Detectability:
+    return Detectability(parse_machine(machine), experiments)
+
+
+def _brief(effect: Effect) -> dict[str, Any]:
+    return {"id": effect.id, "location": effect.location, "parameters": effect.values}
+
+
+def _same_times(folder: Path) -> None:
+    """Set all times within a folder to STAMP, in the order of names."""
+    for path in (*sorted(folder.rglob("*"), reverse=True), folder):
+        os.utime(path, (STAMP, STAMP))

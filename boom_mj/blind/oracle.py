@@ -1,0 +1,59 @@
+"""Who is to blame for a miss, once the seal is open: the truth itself is simulated as an explanation would be.
+
+Where it leaves no more than noise, the model holds what happened and the search did not find it. Where it leaves more,
+the model is wrong, or the way in which it reads a log, and no search can help.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from boom_mj.blind.figures import Score
+from boom_mj.blind.run import campaign_of
+from boom_mj.diagnosis.linearisation import anchored, around, make_metric
+from boom_mj.diagnosis.scoring import gap
+from boom_mj.effects import make_effect
+from boom_mj.errors import InputError, MachineFileError
+from boom_mj.files import read_json, read_text
+from boom_mj.spreading import results
+
+TOLD = ("single", "pair", "withheld")  # classes whose effects the library holds
+
+
+def with_hindsight(
+    found: Score, folder: Path, seal: Path, jobs: int = 1, tell: Callable[[int, int], None] = lambda done, total: None
+) -> Score:
+    """The score of a campaign with what the truth leaves of every miss that the library could have told.
+
+    Args:
+        jobs: processes on this machine.
+        tell: hears how many of how many misses are done.
+    """
+    machine, sealed = read_text(folder / "machine.toml", MachineFileError), read_json(seal, InputError)["cases"]
+    missed = [o.case for o in found.outcomes if o.reason and o.kind in TOLD]
+    items = [((folder / case).resolve(), sealed[case]["effects"]) for case in missed]
+    left: dict[str, float] = {}
+    for (path, _), value in results(partial(left_by_truth, machine=machine), items, jobs):
+        left[path.name] = value
+        tell(len(left), len(items))
+    outcomes = tuple(replace(o, truth_leaves=left.get(o.case, np.nan)) for o in found.outcomes)
+    return replace(found, outcomes=outcomes)
+
+
+def left_by_truth(item: tuple[Path, Sequence[Mapping[str, Any]]], machine: str) -> float:
+    """Held-out gap of a case that the effects sealed for it leave, with nuisances fitted and their own model error.
+
+    Of the effects as far as a diagnosis simulates them: the gusts of a wind are estimated, in every recording.
+    """
+    case, sealed = item
+    campaign = campaign_of(case, machine)
+    whole = [make_effect(e["id"], {**e["location"], **e["parameters"]}) for e in sealed]
+    effects = tuple(type(e)(e.location, **{name: e.values[name] for name in e.knobs(e.location)}) for e in whole)
+    healthy = make_metric(campaign)
+    metric = anchored(healthy, effects, np.zeros(len(healthy.nuisances)))
+    metric = around(metric, effects, metric.estimate(metric.residual(metric.base)))
+    return gap(metric.clean(metric.residual(metric.base)), campaign.held_out)

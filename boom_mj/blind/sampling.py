@@ -1,0 +1,129 @@
+"""What a case is made of: its class, its effects with places and sizes, and what it leaves out of the library."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import cycle
+
+import numpy as np
+
+from boom_mj.blind.unlisted import UNLISTED
+from boom_mj.effects import Effect, effect_library
+from boom_mj.errors import EquilibriumError, InputError, SimulationError
+
+MIX: Mapping[str, float] = {"single": 50, "none": 20, "pair": 12, "withheld": 25, "stranger": 13}
+"""Shares of the classes of cases: of 120, every effect is there twice alone and is once withheld."""
+NUISANCE = "joint_zero_offset"
+SMALL, LARGE = 0.5, 2.0  # times a size worth finding
+VISIBLE = 1.0  # as large as the noise itself, learnt from and judged by; what shows less is drawn again
+TRIES = 40
+# times the library's size worth finding, where that hardly shows
+SIZES: Mapping[tuple[str, str], float] = {
+    ("thermal_bending", "displacement"): 2.5,
+    ("joint_friction", "cylinder_force"): 2.0,
+}
+# what is an angle, a frequency or a share rather than a size
+RANGES: Mapping[tuple[str, str], tuple[float, float]] = {
+    ("pump_pulsation", "frequency"): (0.2, 0.8),
+    ("pump_pulsation", "harmonic_ratio"): (0.0, 0.5),
+    ("pump_pulsation", "phase"): (-np.pi, np.pi),
+    ("wind", "direction"): (-np.pi, np.pi),
+    ("wind", "gust_strength"): (0.0, 0.2),
+    ("joint_sensor_nonlinearity", "periods"): (1.0, 4.0),
+    ("joint_sensor_nonlinearity", "phase"): (-np.pi, np.pi),
+    ("moving_slug", "period"): (2.0, 6.0),
+    ("moving_slug", "phase"): (-np.pi, np.pi),
+    ("breathing_crack", "threshold"): (-0.003, -0.0005),
+    ("mistracked_marker", "since"): (5.0, 20.0),
+}
+
+
+@dataclass(frozen=True)
+class Order:
+    """What a case shall be, before places and sizes are drawn.
+
+    Attributes:
+        kind: single, none, pair, withheld or stranger.
+        ids: of its effects.
+        without: the one id that its diagnosis leaves out: the effect's own if it is withheld, else any other.
+    """
+
+    kind: str
+    ids: tuple[str, ...]
+    without: str
+
+
+def orders(cases: int, mix: Mapping[str, float], rng: np.random.Generator) -> list[Order]:
+    """Cases of all classes in their shares, every effect as often as any other, in random order.
+
+    Raises:
+        InputError: a class that does not exist, or shares that are none.
+    """
+    if unknown := [kind for kind in mix if kind not in MIX]:
+        raise InputError(f"no class of cases is called {', '.join(unknown)}; there are {', '.join(MIX)}")
+    if min(mix.values()) < 0 or sum(mix.values()) <= 0:
+        raise InputError(f"shares of classes must not be negative, nor all zero; got {dict(mix)}")
+    known = [name for name in effect_library() if name != NUISANCE]
+    deal = {kind: _deck(UNLISTED if kind == "stranger" else known, rng) for kind in MIX}
+    found = []
+    for kind, count in _shared_out(cases, mix).items():
+        for _ in range(count):
+            ids = [] if kind == "none" else [next(deal[kind])]
+            if kind == "pair":
+                ids.append(str(rng.choice([name for name in known if name not in ids])))
+            others = [name for name in known if name not in ids]
+            found.append(Order(kind, tuple(ids), ids[0] if kind == "withheld" else str(rng.choice(others))))
+    return [found[k] for k in rng.permutation(len(found))]
+
+
+def _deck(names: Sequence[str] | Mapping[str, object], rng: np.random.Generator) -> Iterator[str]:
+    """Names in random order, over and over."""
+    return cycle([str(name) for name in rng.permutation(list(names))])
+
+
+def _shared_out(cases: int, mix: Mapping[str, float]) -> dict[str, int]:
+    """Whole numbers in given shares, the largest remainders rounded up."""
+    exact = {kind: cases * share / sum(mix.values()) for kind, share in mix.items()}
+    counts = {kind: int(share) for kind, share in exact.items()}
+    by_remainder = sorted(exact, key=lambda kind: counts[kind] - exact[kind])
+    for kind in by_remainder[: cases - sum(counts.values())]:
+        counts[kind] += 1
+    return counts
+
+
+def draw(
+    name: str, rng: np.random.Generator, visibility: Callable[[Sequence[Effect]], float]
+) -> tuple[Effect, dict[str, float]]:
+    """An effect that shows, at a random place and of random size, and the values that were drawn.
+
+    Where these experiments show none, it is the one of TRIES that comes closest.
+
+    Raises:
+        InputError: the machine stands none.
+    """
+    kind = {**effect_library(), **UNLISTED}[name]
+    places = kind.locations()
+    best: tuple[float, tuple[Effect, dict[str, float]] | None] = (0.0, None)
+    for _ in range(TRIES):
+        place = places[rng.integers(len(places))]
+        names = [n for n in kind.parameters if n in kind.knobs(place) or (name, n) in RANGES]
+        values = {n: _size(kind, n, rng) for n in names}
+        effect = kind(place, **values)
+        try:
+            shows = visibility([effect])
+        except (EquilibriumError, SimulationError):
+            continue
+        if shows >= VISIBLE:
+            return effect, values
+        best = max(best, (shows, (effect, values)), key=lambda found: found[0])
+    if best[1] is None:
+        raise InputError(f"the machine stands no effect {name}")
+    return best[1]
+
+
+def _size(kind: type[Effect], name: str, rng: np.random.Generator) -> float:
+    if (kind.id, name) in RANGES:
+        return float(rng.uniform(*RANGES[kind.id, name]))
+    bound = kind.parameters[name]
+    coordinate = float(np.exp(rng.uniform(np.log(SMALL), np.log(LARGE)))) * SIZES.get((kind.id, name), 1.0)
+    both = not bound.inverse and bound.low < bound.neutral < bound.high
+    return bound.value(-coordinate if both and rng.random() < 0.5 else coordinate)

@@ -1,0 +1,124 @@
+"""Where the gap lies: its power over sensor, link, direction, frequency band and phase of the experiment.
+
+Bands come from the Fourier series of each channel, so that their powers add up; phases from the joints' motion and
+the known load. Shares are of the whole squared residual, whitened, and sum to one.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from boom_mj.systems.predictor import Campaign
+from boom_mj.systems.system import Band
+
+Array = np.ndarray
+PLAIN = 0.2  # share of a residual that a look must take
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A part of the gap.
+
+    Attributes:
+        gap: root mean square of the whitened residual in it.
+        share: of the whole squared residual.
+    """
+
+    sensor: str
+    link: str
+    direction: str
+    band: str
+    phase: str
+    gap: float
+    share: float
+
+
+AXES = ("sensor", "link", "direction", "band", "phase")
+
+
+def locate(campaign: Campaign, residual: Array) -> tuple[Cell, ...]:
+    """All cells of a whitened residual (N,), largest first."""
+    power: dict[tuple[str, ...], float] = defaultdict(float)
+    count: dict[tuple[str, ...], float] = defaultdict(float)
+    subject = campaign.subject
+    phases = [subject.phases(log) for log in campaign.recordings]
+    for number, channel in enumerate(campaign.channels):
+        series = residual[campaign.stretch(number)]
+        when = phases[channel.recording]
+        names = np.array([when[min(int(t / subject.block), len(when) - 1)] for t in channel.time])
+        place = subject.place(channel.group)
+        for band, part in bands(series, subject.bands, subject.block):
+            for phase in np.unique(names):
+                inside = names == phase
+                power[(*place, band, phase)] += float(part[inside] @ part[inside])
+                count[(*place, band, phase)] += float(inside.sum())
+    total = max(sum(power.values()), 1e-300)
+    cells = [
+        Cell(**dict(zip(AXES, key)), gap=float(np.sqrt(p / max(count[key], 1))), share=p / total)
+        for key, p in power.items()
+    ]
+    return tuple(sorted(cells, key=lambda cell: -cell.share))
+
+
+def shares(cells: Iterable[Cell], *axes: str) -> dict[tuple[str, ...], float]:
+    """Shares summed over everything but the given axes, largest first."""
+    found: dict[tuple[str, ...], float] = defaultdict(float)
+    for cell in cells:
+        found[tuple(getattr(cell, axis) for axis in axes)] += cell.share
+    return dict(sorted(found.items(), key=lambda item: -item[1]))
+
+
+def bands(series: Array, edges: Sequence[Band], step: float) -> list[tuple[str, Array]]:
+    """The series' parts in each band, which add up to it."""
+    spectrum, frequency = np.fft.rfft(series), np.fft.rfftfreq(len(series), step)
+    parts, low = [], -1.0
+    for name, high in edges:
+        inside = (frequency > low) & (frequency <= high)
+        parts.append((name, np.fft.irfft(np.where(inside, spectrum, 0), len(series))))
+        low = high
+    return parts
+
+
+def in_words(cells: tuple[Cell, ...]) -> str:
+    """One sentence: where most of it lies."""
+    ways = {"sensor": "by {}", "link": "on {}", "direction": "along {}", "band": "in the {} band", "phase": "in {}"}
+    parts = []
+    for axis, words in ways.items():
+        (name,), share = next(iter(shares(cells, axis).items()))
+        parts += [words.format(f"{name} ({share:.0%})")] if name else []
+    return f"it is seen most {', '.join(parts)}"
+
+
+def looks(campaign: Campaign, residual: Array) -> str:
+    """What an unexplained residual looks like, by the regressor that takes most of it."""
+    scores = {"periodic": 0.0, "odd in velocity": 0.0, "drifting": 0.0, "pose dependent": 0.0, "one-sided": 0.0}
+    subject, total = campaign.subject, float(residual @ residual) + 1e-300
+    means: dict[tuple[str, int], list[float]] = defaultdict(list)
+    for number, channel in enumerate(campaign.channels):
+        series = residual[campaign.stretch(number)]
+        if len(series) < 30:
+            continue
+        mean = float(series.mean())
+        means[(channel.signal, channel.column)].append(mean * np.sqrt(len(series)))
+        free = series - mean
+        trend = channel.time - channel.time.mean()
+        scores["drifting"] += float(free @ trend) ** 2 / float(trend @ trend) / total
+        spectrum = np.abs(np.fft.rfft(free * np.hanning(len(free)))) ** 2
+        peak = int(np.argmax(spectrum[1:])) + 1
+        scores["periodic"] += (
+            spectrum[max(1, peak - 1) : peak + 2].sum() / (spectrum.sum() + 1e-300) * (free @ free / total)
+        )
+        rate = np.gradient(subject.motion(campaign.recordings[channel.recording], channel.time), channel.time, axis=0)
+        signs = np.sign(np.where(np.abs(rate) > 5 * subject.still, rate, 0.0))
+        best = max((float(free @ s) ** 2 / float(s @ s) for s in signs.T if s @ s > 10), default=0.0)
+        scores["odd in velocity"] += best / total
+        skew = float(np.mean(free**3) / (np.mean(free**2) ** 1.5 + 1e-300))
+        scores["one-sided"] += min(abs(skew) / 4, 1.0) * float(free @ free) / total * 0.5
+    for values in means.values():
+        scores["pose dependent"] += float(np.sum(np.square(values))) / total
+    name = max(scores, key=lambda key: scores[key])
+    if scores[name] < PLAIN:
+        return "nothing in particular"
+    return f"{name} ({min(scores[name], 1.0):.0%} of it)"

@@ -1,0 +1,58 @@
+"""Two recordings of one experiment, channel group by channel group, in units of sensor noise."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from boom_mj.recording import Recording
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Group:
+    """How far twin and log are apart in one channel group.
+
+    Attributes:
+        name: sensor and direction: imu/link5 accelerometer y, markers link4 z, cylinder3, ...
+        rms: of measured - simulated, in `unit`.
+        noise: standard deviation of the sensor.
+        ratio: rms / noise.
+    """
+
+    name: str
+    unit: str
+    rms: float
+    noise: float
+
+    @property
+    def ratio(self) -> float:
+        """rms / noise."""
+        return self.rms / self.noise if self.noise else float("inf")
+
+
+def compare(log: Recording, twin: Recording, noise: dict[str, Array]) -> tuple[Group, ...]:
+    """Root mean square of log - twin in every channel group, against the sensor's noise."""
+    groups = []
+    for name, level in noise.items():
+        if name not in log or name not in twin or name == "joint/position":
+            continue
+        signal = log[name]
+        difference = signal.values - twin[name].values
+        for group, columns in _groups(name, signal.channels).items():
+            part = difference[:, columns]
+            rms = float(np.sqrt(np.nanmean(part**2))) if np.isfinite(part).any() else float("nan")
+            groups.append(Group(group, signal.unit, rms, float(level[columns[0]])))
+    return tuple(groups)
+
+
+def _groups(name: str, channels: tuple[str, ...]) -> dict[str, list[int]]:
+    """Channel groups of a signal: name to columns."""
+    if name == "markers":
+        found: dict[str, list[int]] = {}
+        for column, channel in enumerate(channels):
+            number, axis = int(channel[len("marker") : channel.index("/")]), channel[-1]
+            found.setdefault(f"markers/link{2 + (number - 1) // 3}/{axis}", []).append(column)
+        return found
+    stem = "cylinder" if name.startswith("cylinder") else name
+    return {(channel if stem == "cylinder" else f"{name}/{channel}"): [k] for k, channel in enumerate(channels)}

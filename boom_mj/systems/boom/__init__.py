@@ -1,0 +1,1 @@
+"""A boom whose logged joint angles drive its model."""

@@ -1,0 +1,164 @@
+"""Logs through a channel map, cut into stretches: each is simulated afresh from the state it begins with."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from scipy.signal import butter, sosfiltfilt
+
+from boom_mj.errors import ChannelMapError, LogError
+from boom_mj.files import inside
+from boom_mj.logs.columns import read_columns
+from boom_mj.recording import Recording, Signal
+from boom_mj.sensors.blocks import own_noise
+from boom_mj.systems.mjcf.channel_map import ChannelEntry, ChannelMap
+
+Array = np.ndarray
+ORDER = 4  # of the Butterworth filter, run both ways
+EDGE = 2.0  # periods of the cutoff
+MOST_STRETCHES = 10_000
+SHORTEST = 0.5  # of a window, below which a rest is left out
+
+
+def stretches_of(path: Path, channels: ChannelMap) -> list[Recording]:
+    """A log in stretches of `channels.window` seconds.
+
+    Every stretch holds its channels by name, driving motion smooth, and the measured state of other joints at its start
+    as "start/JOINT": one sample of position and speed; its description is the log's path. Compared channels begin
+    `channels.settle` later. Where motion drives, a smooth motion cannot make the model's forces sharp: compared
+    channels are smoothed, too, by a lower cutoff that `MjcfSystem` applies to the model, and what drives reaches some
+    periods beyond what is compared.
+
+    Raises:
+        LogError: fields that are not there, times that do not increase, holes in what drives, a log that is too short.
+    """
+    table = _table(path, channels)
+    time = _checked_time(path, table[channels.time] * channels.time_scale)
+    values = {entry.name: _value(entry, table) for entry in channels.channel}
+    margin = EDGE / channels.cutoff if channels.driven else 0.0
+    for entry in channels.channel:
+        if len(values[entry.name]) != len(time):
+            raise LogError(f"{path}: {entry.name} has {len(values[entry.name])} samples, its time {len(time)}")
+        if entry.role != "compare" and not np.isfinite(values[entry.name]).all():
+            raise LogError(f"{path}: {entry.name} has no value at {time[np.argmin(np.isfinite(values[entry.name]))]} s")
+    smooth = {
+        entry.name: smoothed(time, values[entry.name], channels.cutoff)
+        for entry in channels.channel
+        if entry.joint and np.isfinite(values[entry.name]).all()
+    }
+    for entry in channels.role("drive"):
+        values[entry.name] = smooth[entry.name]
+    if channels.driven:
+        for entry in channels.role("compare"):
+            values[entry.name] = smoothed(time, values[entry.name], channels.compared_cutoff)
+    end = min(time[-1] - margin, channels.stop if channels.stop is not None else np.inf)
+    first = max(time[0] + margin, channels.start)
+    if channels.release is not None:
+        first = max(first, released(time, table[channels.release.field], channels.release.moves))
+    for entry in channels.channel:
+        if entry.relative:
+            values[entry.name] = values[entry.name] - np.nanmean(values[entry.name][time <= first])
+    if end - first > MOST_STRETCHES * channels.window:
+        raise LogError(f"{path} lasts {end - first:.4g} s: too long for a window of {channels.window} s")
+    begins = np.arange(first, end - SHORTEST * channels.window, channels.window)
+    if not begins.size:
+        raise LogError(f"{path} lasts {time[-1] - time[0]:.2f} s: too short for a window of {channels.window} s")
+    found = []
+    for begin in begins:
+        stop = min(begin + channels.window, end)
+        inside = (time >= begin - margin - 1e-9) & (time < stop + margin - 1e-9)
+        late = (time >= begin + channels.settle - 1e-9) & (time < stop - 1e-9)
+        signals = {"start": Signal(np.array([begin - margin]), np.zeros((1, 1)), ("start",), "1", "")}
+        for entry in channels.channel:
+            rows = late if entry.role == "compare" else inside
+            signals[entry.name] = Signal(
+                time[rows], values[entry.name][rows, None], (entry.name,), entry.unit or "1", entry.place
+            )
+        for entry in channels.role("compare"):
+            if entry.joint and entry.what == "position" and entry.name in smooth:
+                signals[f"start/{entry.joint}"] = _state(time, smooth[entry.name], int(np.argmax(inside)), entry)
+                signals[f"motion/{entry.joint}"] = Signal(
+                    time[inside], smooth[entry.name][inside, None], (entry.joint,), entry.unit or "1", entry.place
+                )
+        name = f"{path.name} {begin:g}-{stop:g} s"
+        found.append(Recording(name, channels.name, str(path), signals))
+    return found
+
+
+def noise_of(path: Path, channels: ChannelMap) -> dict[str, float]:
+    """Noise per sample of compared channels: what their differences show, and what differs between passes.
+
+    Passes are compared by means over blocks, of which `channels.repeat` should be a whole number; what differs is
+    spread over the samples of a block as white noise would be.
+    """
+    table = _table(path, channels)
+    time, found = _checked_time(path, table[channels.time] * channels.time_scale), {}
+    count = max(1, round(channels.block_s * (len(time) - 1) / (time[-1] - time[0])))
+    for entry in channels.role("compare"):
+        values = _value(entry, table)
+        found[entry.name] = max(entry.noise, own_noise(values))
+        if channels.repeat is not None:
+            lag = round(channels.repeat / channels.block_s)
+            means = values[: len(values) // count * count].reshape(-1, count).mean(axis=1)
+            if len(means) < 2 * lag:
+                raise LogError(f"{path}: {time[-1] - time[0]:.1f} s hold no two passes of repeat = {channels.repeat} s")
+            between = float(np.nanstd(means[lag:] - means[:-lag]) / np.sqrt(2) * np.sqrt(count))
+            found[entry.name] = max(found[entry.name], between)
+    return found
+
+
+def split(recordings: Sequence[Recording], share: float) -> int:
+    """How many of a log's stretches, from its start, are for learning, at least one; one is always held out."""
+    return int(np.clip(round(share * len(recordings)), 1, max(1, len(recordings) - 1)))
+
+
+def released(time: Array, values: Array, moves: float) -> float:
+    """When something was let go, s: the root of its way grows evenly at first, traced back to zero."""
+    way = np.abs(values - np.median(values[: max(5, len(values) // 50)]))
+    if not (way > moves).any():
+        raise LogError(f"release: nothing moves by {moves}; the largest way is {np.nanmax(way):.3g}")
+    at = int(np.argmax(way > moves))
+    slope, level = np.polyfit(time[at : at + 3], np.sqrt(way[at : at + 3]), 1)
+    return float(np.clip(-level / slope, time[max(at - 3, 0)], time[at]))
+
+
+def smoothed(time: Array, values: Array, cutoff: float) -> Array:
+    """Evenly sampled values through a filter without phase, (n,)."""
+    rate = (len(time) - 1) / (time[-1] - time[0])
+    if cutoff >= 0.45 * rate or len(time) < 60:
+        return values
+    return sosfiltfilt(butter(ORDER, cutoff, fs=rate, output="sos"), values)
+
+
+def _table(path: Path, channels: ChannelMap) -> dict[str, Array]:
+    """All fields of a log; `FILE:field` stands in a file beside it, sample for sample."""
+    release = {channels.release.field} if channels.release else set()
+    fields = {channels.time, *release, *(f for entry in channels.channel for f in entry.fields)}
+    found: dict[str, Array] = {}
+    for beside in {field.rpartition(":")[0] for field in fields}:
+        mine = {field: field.rpartition(":")[2] for field in fields if field.rpartition(":")[0] == beside}
+        columns = read_columns(inside(path.parent, beside, ChannelMapError, path) if beside else path, mine.values())
+        found |= {field: columns[name] for field, name in mine.items()}
+    return found
+
+
+def _value(entry: ChannelEntry, table: dict[str, Array]) -> Array:
+    logged = table[entry.field] if entry.field else sum(factor * table[field] for field, factor in entry.terms.items())
+    if entry.limit is not None:
+        logged = np.clip(logged, -entry.limit, entry.limit)
+    return entry.scale * np.asarray(logged) + entry.offset
+
+
+def _state(time: Array, values: Array, at: int, entry: ChannelEntry) -> Signal:
+    speed = np.gradient(values, time)[at]
+    state = np.array([[values[at], speed]])
+    return Signal(time[at : at + 1], state, ("position", "velocity"), entry.unit or "1", entry.place)
+
+
+def _checked_time(path: Path, time: Array) -> Array:
+    if len(time) < 10 or not np.isfinite(time).all():
+        raise LogError(f"{path}: the time has {len(time)} samples, of which {int(np.isnan(time).sum())} are empty")
+    if (back := np.flatnonzero(np.diff(time) <= 0)).size:
+        at = back[0]
+        raise LogError(f"{path}: times must increase, but {time[at]:.6f} s is followed by {time[at + 1]:.6f} s")
+    return time
