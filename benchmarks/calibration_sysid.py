@@ -18,7 +18,7 @@ from mujoco import sysid
 from boom_mj.calibration.evidence import HINGES, Evidence
 from boom_mj.calibration.parameters import Setting, Space, make_space
 from boom_mj.calibration.refine import refine
-from boom_mj.effects.structure import elastic_hinges, link_hinges
+from boom_mj.effects.spec_edits import elastic_hinges, link_hinges
 from boom_mj.machine import load_machine
 from boom_mj.mjcf import build
 from boom_mj.recording import Recording

@@ -12,10 +12,13 @@ from pathlib import Path
 from typing import Any
 
 from boom_mj import diagnosis
-from boom_mj.diagnosis.scoring import Closure
+from boom_mj.estimation.bootstrap import Closure
 from boom_mj.logs import read_log
 from boom_mj.machine import Machine, load_machine
 from boom_mj.recording import Recording
+from boom_mj.systems.boom.corrected import with_effects
+from boom_mj.systems.boom.system import BoomSystem
+from boom_mj.systems.predictor import Predictor, dataset_of
 
 Log = Recording | Path | str
 
@@ -96,8 +99,8 @@ class Answer:
 
     @cached_property
     def corrected(self) -> Machine:
-        """The machine with the best explanation's effects and the tolerances that were estimated along."""
-        return diagnosis.with_effects(self.machine, self.found)
+        """The machine with the best explanation's effects and the nuisances that were estimated along."""
+        return with_effects(self.machine, diagnosis.explanation(self.found))
 
     def to_html(self, path: Path | str) -> None:
         """Write the page of `gap diagnose --html`: one file, which fetches nothing."""
@@ -114,7 +117,7 @@ def diagnose(
     without: Sequence[str] = (),
     tell: Callable[[str], None] = lambda line: None,
 ) -> Answer:
-    """Find what a machine has that its file lacks; `gap.diagnose` asks the same of any campaign.
+    """Find what a machine has that its file lacks; `diagnosis.diagnose` asks the same of any system.
 
     Args:
         machine: nominal; a file, or a name such as "boom36".
@@ -132,5 +135,6 @@ def diagnose(
     logs = (*train, *holdout)
     recordings = [log if isinstance(log, Recording) else read_log(log) for log in logs]
     names = tuple(log.name if isinstance(log, Recording) else str(log) for log in logs)
-    campaign = diagnosis.Campaign(boom, recordings, len(train))
-    return Answer(boom, diagnosis.diagnose(campaign, without, tell), names)
+    system = BoomSystem(boom)
+    predictor = Predictor(system, dataset_of(system, recordings, len(train)))
+    return Answer(boom, diagnosis.diagnose(predictor, without, tell), names)

@@ -50,6 +50,10 @@ class LogWarning(UserWarning):
     """What was done about a flaw of a log that does not stop its use; the command line shows it on stderr."""
 
 
+class EffectWarning(UserWarning):
+    """An effect of another package that cannot be loaded: which, and why."""
+
+
 class EquilibriumError(BoomError):
     """No static equilibrium was found; the residual and the pose are named."""
 

@@ -74,7 +74,7 @@ def draw(space: Space, rng: np.random.Generator) -> Array:
 
 def recordings(truth: Setting, order: Order) -> list[Recording]:
     """What the sensors of a machine say in the paper's experiments."""
-    plant = make_plant(truth.machine, HINGES, [truth.sensor])
+    plant = make_plant(truth.machine, HINGES, truth.sensor)
     found = []
     for k, plan in enumerate(PAPER):
         if plan.name not in order.experiments:

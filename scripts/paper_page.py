@@ -41,7 +41,7 @@ def main() -> None:
     truth = make_space(NOMINAL).at(draw(make_space(NOMINAL), np.random.default_rng(given.machine)))
     logs = recordings(truth, Order(Path(), given.machine))
     tell("the paper's experiments are recorded")
-    motion = run_experiment(make_plant(truth.machine, HINGES, [truth.sensor]), FOLD_IN)
+    motion = run_experiment(make_plant(truth.machine, HINGES, truth.sensor), FOLD_IN)
     fold_in = record(motion, FOLD_IN, np.random.default_rng([given.machine, len(logs)]))
     found = calibrate(NOMINAL, logs, tell=tell)
     shown, names = validate(found, [fold_in]), [log.name for log in logs]

@@ -8,13 +8,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from boom_mj.effects import AngleEffect, Effect, effects_of, make_effect
+from boom_mj.effects import Effect, effects_of, make_effect
+from boom_mj.estimation.dataset import block_means
 from boom_mj.machine import Machine
 from boom_mj.mjcf import build
 from boom_mj.sensors import ideal_signals, noise_levels, sample_rates, true_angles
-from boom_mj.sensors.blocks import BLOCK, block_means
 from boom_mj.simulation import Experiment, run, step_times
 from boom_mj.simulation.plant import with_effects
+from boom_mj.systems.boom.system import BLOCK_S
 
 Array = np.ndarray
 HINGES = 2
@@ -27,7 +28,7 @@ class Detectability:
     def __init__(self, machine: Machine, experiments: Sequence[Experiment]):
         self.machine, self.experiments, self.boom = machine, tuple(experiments), build(machine, HINGES)
         self.healthy = self._seen(())
-        offsets = [self._seen((make_effect("joint_zero_offset", {f"joint{k}": OFFSET}),)) for k in range(1, 6)]
+        offsets = [self._seen((make_effect("joint_zero_offset", {"joint": k, "offset": OFFSET}),)) for k in range(1, 6)]
         self.basis = np.linalg.qr(np.stack(offsets, axis=1) - self.healthy[:, None])[0]  # (N, 5)
 
     def visibility(self, effects: Sequence[Effect]) -> float:
@@ -46,11 +47,12 @@ class Detectability:
         levels, rates, parts = noise_levels(self.machine), sample_rates(self.machine), []
         for experiment in self.experiments:
             time = step_times(plant, experiment.duration)
-            angles = [effect for effect in effects if isinstance(effect, AngleEffect)]
-            path = true_angles(angles, experiment.joint_path(time)[0])
+            path = true_angles(effects, experiment.joint_path(time)[0])
             signals = ideal_signals(run(plant, path, experiment.tip_force(time)))
             for name in levels:
                 if name != "joint/position":
-                    noise = levels[name] / np.sqrt(rates[name] * BLOCK)
-                    parts += [block_means(time, column)[2] / n for column, n in zip(signals[name].values.T, noise)]
+                    noise = levels[name] / np.sqrt(rates[name] * BLOCK_S)
+                    parts += [
+                        block_means(time, column, BLOCK_S)[2] / n for column, n in zip(signals[name].values.T, noise)
+                    ]
         return np.concatenate(parts)

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from boom_mj.blind.unlisted import UNLISTED
-from boom_mj.effects import effect_library
+from boom_mj.effects import builtin
 
 ANGLES = ("phase", "direction")  # parameters that repeat after a turn
 NO_ANSWER: Mapping[str, Any] = {"verdict": "no answer", "sentence": "", "effects": [], "ties": [], "gap": {}}
@@ -98,9 +98,8 @@ def judge_case(case: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -
 
 def twins(name: str) -> set[str]:
     """Ids of the library that an effect is known to be confused with, from either side."""
-    own = {words.split()[0] for words in {**effect_library(), **UNLISTED}[name].confused_with}
-    others = {k for k, kind in effect_library().items() if name in {words.split()[0] for words in kind.confused_with}}
-    return (own & set(effect_library()) | others) - {name}
+    own = set({**builtin(), **UNLISTED}[name].confused_with)
+    return (own | {k for k, kind in builtin().items() if name in kind.confused_with}) - {name}
 
 
 def errors_of(true: Mapping[str, float], named: Mapping[str, Mapping[str, Any]]) -> list[float]:

@@ -13,15 +13,15 @@ from typing import Any
 import numpy as np
 
 from boom_mj.blind.figures import Score
-from boom_mj.blind.run import campaign_of
-from boom_mj.diagnosis.linearisation import anchored, around, make_metric
-from boom_mj.diagnosis.scoring import gap
+from boom_mj.blind.run import predictor_of
+from boom_mj.diagnosis.linearisation import linearise
 from boom_mj.effects import make_effect
 from boom_mj.errors import InputError, MachineFileError
+from boom_mj.estimation.bootstrap import gap
 from boom_mj.files import read_json, read_text
 from boom_mj.spreading import results
 
-TOLD = ("single", "pair", "withheld")  # classes whose effects the library holds
+LISTED = ("single", "pair", "withheld")  # classes whose effects the library holds
 
 
 def with_hindsight(
@@ -34,7 +34,7 @@ def with_hindsight(
         tell: hears how many of how many misses are done.
     """
     machine, sealed = read_text(folder / "machine.toml", MachineFileError), read_json(seal, InputError)["cases"]
-    missed = [o.case for o in found.outcomes if o.reason and o.kind in TOLD]
+    missed = [o.case for o in found.outcomes if o.reason and o.kind in LISTED]
     items = [((folder / case).resolve(), sealed[case]["effects"]) for case in missed]
     left: dict[str, float] = {}
     for (path, _), value in results(partial(left_by_truth, machine=machine), items, jobs):
@@ -50,10 +50,9 @@ def left_by_truth(item: tuple[Path, Sequence[Mapping[str, Any]]], machine: str) 
     Of the effects as far as a diagnosis simulates them: the gusts of a wind are estimated, in every recording.
     """
     case, sealed = item
-    campaign = campaign_of(case, machine)
     whole = [make_effect(e["id"], {**e["location"], **e["parameters"]}) for e in sealed]
-    effects = tuple(type(e)(e.location, **{name: e.values[name] for name in e.knobs(e.location)}) for e in whole)
-    healthy = make_metric(campaign)
-    metric = anchored(healthy, effects, np.zeros(len(healthy.nuisances)))
-    metric = around(metric, effects, metric.estimate(metric.residual(metric.base)))
-    return gap(metric.clean(metric.residual(metric.base)), campaign.held_out)
+    effects = tuple(type(e)(e.site, **{name: e.values[name] for name in e.free(e.site)}) for e in whole)
+    healthy = linearise(predictor_of(case, machine))
+    model = healthy.rebased(effects, np.zeros(len(healthy.nuisances)))
+    model = model.relinearised(effects, model.posterior.estimate(model.residual(model.base)))
+    return gap(model.clean(model.residual(model.base)), model.data.held_out)

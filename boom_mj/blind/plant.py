@@ -9,7 +9,7 @@ from boom_mj.effects import Effect, effects_of, make_effect
 from boom_mj.machine import Machine
 from boom_mj.mjcf import build
 from boom_mj.simulation import Plant
-from boom_mj.simulation.plant import with_effects
+from boom_mj.simulation.plant import JOINTS, with_effects
 
 HINGES = 8  # the diagnosis has 2, 4 and 6
 INTEGRATOR = mujoco.mjtIntegrator.mjINT_EULER  # the diagnosis has implicitfast
@@ -20,7 +20,8 @@ STIFFNESS, MASS, DAMPING = 0.003, 0.003, 0.05  # tolerances of an individual
 
 def nuisances(machine: Machine, rng: np.random.Generator) -> tuple[Effect, ...]:
     """What no two machines share: zero offsets of the joints, tolerances of stiffness, mass, damping; all uniform."""
-    found = [make_effect("joint_zero_offset", {f"joint{k}": rng.uniform(-1, 1) * ZERO_OFFSET for k in range(1, 6)})]
+    offsets = rng.uniform(-1, 1, JOINTS) * ZERO_OFFSET
+    found = [make_effect("joint_zero_offset", {"joint": k + 1, "offset": offset}) for k, offset in enumerate(offsets)]
     for link in range(2, 2 + len(machine.links)):
         softer, heavier = rng.uniform(-1, 1, 2)
         found += [

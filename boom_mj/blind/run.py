@@ -19,7 +19,8 @@ from boom_mj.files import locked, read_bytes, read_json, read_text, write_text
 from boom_mj.logs import read_log
 from boom_mj.machine import parse_machine
 from boom_mj.spreading import spread
-from boom_mj.systems.predictor import Campaign
+from boom_mj.systems.boom.system import BoomSystem
+from boom_mj.systems.predictor import Predictor, dataset_of
 
 
 def waiting_cases(folder: Path, answers: Path) -> tuple[list[Path], int]:
@@ -63,13 +64,14 @@ def solve(case: Path, machine: str) -> str:
     began = time.perf_counter()
     with confined_to(case):
         without = tuple(read_json(case / "withhold.json", InputError)["without"])
-        campaign = campaign_of(case, machine)
-        found = document(diagnose(campaign, without), [log.name for log in campaign.recordings])
+        predictor = predictor_of(case, machine)
+        found = document(diagnose(predictor, without), [log.name for log in predictor.data.recordings])
     return json.dumps({**found, "without": without, "wall_s": time.perf_counter() - began}, indent=1)
 
 
-def campaign_of(case: Path, machine: str) -> Campaign:
-    """The recordings of a case."""
+def predictor_of(case: Path, machine: str) -> Predictor:
+    """Of the recordings of a case."""
     train, held_out = (sorted((case / part).glob("*.mcap")) for part in ("train", "holdout"))
     logs = [read_log(path) for path in (*train, *held_out)]
-    return Campaign(parse_machine(machine), logs, len(train), threads=1)
+    system = BoomSystem(parse_machine(machine))
+    return Predictor(system, dataset_of(system, logs, len(train)), threads=1)

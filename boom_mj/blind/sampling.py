@@ -7,12 +7,11 @@ from itertools import cycle
 import numpy as np
 
 from boom_mj.blind.unlisted import UNLISTED
-from boom_mj.effects import Effect, effect_library
+from boom_mj.effects import BOOM_SITES, Effect, Parameter, builtin
 from boom_mj.errors import EquilibriumError, InputError, SimulationError
 
 MIX: Mapping[str, float] = {"single": 50, "none": 20, "pair": 12, "withheld": 25, "stranger": 13}
 """Shares of the classes of cases: of 120, every effect is there twice alone and is once withheld."""
-NUISANCE = "joint_zero_offset"
 SMALL, LARGE = 0.5, 2.0  # times a size worth finding
 VISIBLE = 1.0  # as large as the noise itself, learnt from and judged by; what shows less is drawn again
 TRIES = 40
@@ -62,7 +61,7 @@ def orders(cases: int, mix: Mapping[str, float], rng: np.random.Generator) -> li
         raise InputError(f"no class of cases is called {', '.join(unknown)}; there are {', '.join(MIX)}")
     if min(mix.values()) < 0 or sum(mix.values()) <= 0:
         raise InputError(f"shares of classes must not be negative, nor all zero; got {dict(mix)}")
-    known = [name for name in effect_library() if name != NUISANCE]
+    known = [name for name, kind in builtin().items() if kind.competes and kind.allowed(BOOM_SITES)]
     deal = {kind: _deck(UNLISTED if kind == "stranger" else known, rng) for kind in MIX}
     found = []
     for kind, count in _shared_out(cases, mix).items():
@@ -100,14 +99,15 @@ def draw(
     Raises:
         InputError: the machine stands none.
     """
-    kind = {**effect_library(), **UNLISTED}[name]
-    places = kind.locations()
+    kind = {**builtin(), **UNLISTED}[name]
+    sites = kind.allowed(BOOM_SITES)
     best: tuple[float, tuple[Effect, dict[str, float]] | None] = (0.0, None)
     for _ in range(TRIES):
-        place = places[rng.integers(len(places))]
-        names = [n for n in kind.parameters if n in kind.knobs(place) or (name, n) in RANGES]
-        values = {n: _size(kind, n, rng) for n in names}
-        effect = kind(place, **values)
+        site = sites[rng.integers(len(sites))]
+        declared = kind.parameters(site)
+        names = [n for n in declared if n in kind.free(site) or (name, n) in RANGES]
+        values = {n: _size(name, n, declared[n], rng) for n in names}
+        effect = kind(site, **values)
         try:
             shows = visibility([effect])
         except (EquilibriumError, SimulationError):
@@ -120,10 +120,9 @@ def draw(
     return best[1]
 
 
-def _size(kind: type[Effect], name: str, rng: np.random.Generator) -> float:
-    if (kind.id, name) in RANGES:
-        return float(rng.uniform(*RANGES[kind.id, name]))
-    bound = kind.parameters[name]
-    coordinate = float(np.exp(rng.uniform(np.log(SMALL), np.log(LARGE)))) * SIZES.get((kind.id, name), 1.0)
+def _size(effect: str, name: str, bound: Parameter, rng: np.random.Generator) -> float:
+    if (effect, name) in RANGES:
+        return float(rng.uniform(*RANGES[effect, name]))
+    coordinate = float(np.exp(rng.uniform(np.log(SMALL), np.log(LARGE)))) * SIZES.get((effect, name), 1.0)
     both = not bound.inverse and bound.low < bound.neutral < bound.high
     return bound.value(-coordinate if both and rng.random() < 0.5 else coordinate)

@@ -10,8 +10,9 @@ import mujoco
 import numpy as np
 from scipy.signal import lfilter
 
-from boom_mj.effects import Effect, LoadEffect, ModelEffect, Parameter, SignalEffect
-from boom_mj.effects.structure import link_hinges
+from boom_mj.effects.base import Effect, ForceEffect, ModelEffect, Motion, OutputEffect
+from boom_mj.effects.parameter import Parameter
+from boom_mj.effects.spec_edits import link_hinges
 from boom_mj.machine import Machine
 from boom_mj.recording import Signal
 
@@ -24,8 +25,9 @@ class HardeningLink(ModelEffect):
     """A link whose bending stiffness grows with the bend: M = k b (1 + s (b / BEND)^2), shared among its hinges."""
 
     id = "hardening_link"
-    places = {"link": (2, 3, 4, 5)}
-    parameters = {"share": Parameter("1", 0.0, 0.0, 20.0, 0.3)}
+    at = ("link",)
+    needs = frozenset({"boom"})
+    table = {"share": Parameter("1", 0.0, 0.0, 20.0, 0.3)}
     confused_with = ("link_stiffness", "tip_payload")
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
@@ -40,7 +42,7 @@ class BreathingCrack(ModelEffect):
 
     id = "breathing_crack"
     places = {"link": (2, 3, 4)}
-    parameters = {
+    table = {
         "loss": Parameter("1", 0.0, 0.0, 0.9, 0.4),
         "threshold": Parameter("rad", 0.0, -0.02, 0.0, 0.002),
     }
@@ -56,61 +58,62 @@ class BreathingCrack(ModelEffect):
         faces.stiffness[0] = lost
 
 
-class MovingSlug(LoadEffect):
+class MovingSlug(ForceEffect):
     """Concrete that comes and goes at the tip with the strokes: a square wave of weight, half of the time there."""
 
     id = "moving_slug"
-    parameters = {
+    table = {
         "mass": Parameter("kg", 0.0, 0.0, 500.0, 30.0),
         "period": Parameter("s", 4.0, 1.0, 20.0, 1.0),
         "phase": Parameter("rad", 0.0, -20.0, 20.0, 0.5),
     }
     confused_with = ("pump_pulsation", "tip_payload")
 
-    def push(self, machine: Machine, time: Array, joints: Array) -> Mapping[str, Array]:
-        there = np.sin(2 * np.pi * time / self.values["period"] + self.values["phase"]) > 0
-        weight = -self.values["mass"] * machine.gravity * there
+    def force(self, motion: Motion) -> Mapping[str, Array]:
+        there = np.sin(2 * np.pi * motion.time / self.values["period"] + self.values["phase"]) > 0
+        weight = -self.values["mass"] * motion.boom.gravity * there
         return {"tip": weight[:, None] * np.array([0.0, 0.0, 1.0])}
 
 
-class MistrackedMarker(SignalEffect):
+class MistrackedMarker(OutputEffect):
     """A tracker that takes something else for a marker from some time on: the marker jumps and stays off."""
 
     id = "mistracked_marker"
     places = {"marker": tuple(range(1, 13))}
-    parameters = {
+    table = {
         **{f"offset_{axis}": Parameter("m", 0.0, -5.0, 5.0, 0.2) for axis in "xyz"},
         "since": Parameter("s", 0.0, 0.0, 1e4, 5.0),
     }
     confused_with = ("marker_slip",)
 
-    def alter(self, signals: Mapping[str, Signal], machine: Machine) -> Mapping[str, Signal]:
+    def observe(self, signals: Mapping[str, Signal], machine: Machine) -> Mapping[str, Signal]:
         markers, number = signals["markers"], int(self.location["marker"]) - 1
         points = markers.values.reshape(len(markers.time), -1, 3).copy()
         points[markers.time >= self.values["since"], number] += [self.values[f"offset_{axis}"] for axis in "xyz"]
         return {"markers": replace(markers, values=points.reshape(markers.values.shape))}
 
 
-class CameraScale(SignalEffect):
+class CameraScale(OutputEffect):
     """Cameras calibrated with a wrong length: all positions are too large by a share."""
 
     id = "camera_scale"
-    parameters = {"share": Parameter("1", 0.0, -0.2, 0.2, 0.006)}
+    table = {"share": Parameter("1", 0.0, -0.2, 0.2, 0.006)}
     confused_with = ("camera_pose",)
 
-    def alter(self, signals: Mapping[str, Signal], machine: Machine) -> Mapping[str, Signal]:
+    def observe(self, signals: Mapping[str, Signal], machine: Machine) -> Mapping[str, Signal]:
         return {"markers": replace(signals["markers"], values=signals["markers"].values * (1 + self.values["share"]))}
 
 
-class SluggishImu(SignalEffect):
+class SluggishImu(OutputEffect):
     """An IMU behind a low-pass filter of first order that no data sheet mentions."""
 
     id = "sluggish_imu"
-    places = {"link": (2, 3, 4, 5)}
-    parameters = {"time_constant": Parameter("s", 0.0, 0.0, 5.0, 0.25)}
+    at = ("link",)
+    needs = frozenset({"boom"})
+    table = {"time_constant": Parameter("s", 0.0, 0.0, 5.0, 0.25)}
     confused_with = ("clock_offset", "structural_damping")
 
-    def alter(self, signals: Mapping[str, Signal], machine: Machine) -> Mapping[str, Signal]:
+    def observe(self, signals: Mapping[str, Signal], machine: Machine) -> Mapping[str, Signal]:
         names = [f"imu/link{self.location['link']}/{kind}" for kind in ("specific_force", "angular_rate")]
         return {name: self._late(signals[name]) for name in names if self.values["time_constant"]}
 

@@ -142,8 +142,9 @@ def replaced_text(text: str, values: Mapping[tuple[str, int, str], float]) -> st
 
 
 def _effect(setting: Setting) -> str:
-    offsets = "".join(f"joint{k + 1} = {value:.6g}\n" for k, value in enumerate(setting.offsets))
-    return f'# zero offsets of the joint sensors, rad, estimated along\n[[effect]]\nid = "joint_zero_offset"\n{offsets}'
+    entry = '\n[[effect]]\nid = "joint_zero_offset"\njoint = {}\noffset = {:.6g}\n'
+    entries = "".join(entry.format(k + 1, value) for k, value in enumerate(setting.offsets))
+    return f"# zero offsets of the joint sensors, rad, estimated along{entries}"
 
 
 def _offset(found: Calibration, joint: int) -> dict[str, float]:

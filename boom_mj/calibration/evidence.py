@@ -95,7 +95,7 @@ class Evidence:
         joints = block.log["joint/position"]
         steps = step_times(plant, joints.time[-1] - joints.time[0])
         reading, force = self._driven(index, steps)
-        motion = run(plant, true_angles((*plant.effects, setting.sensor), reading), force)
+        motion = run(plant, true_angles((*plant.effects, *setting.sensor), reading), force)
         with self._lock:
             self.simulated_s += float(steps[-1])
         return motion

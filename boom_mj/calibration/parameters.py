@@ -109,9 +109,10 @@ class Setting:
     offsets: tuple[float, ...] = (0.0,) * JOINTS
 
     @property
-    def sensor(self) -> Effect:
-        """The zero offsets as the effect that a machine file holds."""
-        return make_effect("joint_zero_offset", {f"joint{k + 1}": value for k, value in enumerate(self.offsets)})
+    def sensor(self) -> tuple[Effect, ...]:
+        """The zero offsets as the effects that a machine file holds."""
+        offsets = enumerate(self.offsets)
+        return tuple(make_effect("joint_zero_offset", {"joint": k + 1, "offset": value}) for k, value in offsets)
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,7 @@ from typer.core import TyperCommand
 
 from boom_mj.cli import blind
 from boom_mj.cli.arguments import find_machine, machine_text, output_folder, output_path
-from boom_mj.effects import effect_library
-from boom_mj.effects.general_effect import general_library
+from boom_mj.effects import BOOM_SITES, effect_library, load_effects
 from boom_mj.errors import InputError
 from boom_mj.files import locked, write_text
 from boom_mj.logs import read_log, write_mcap
@@ -50,17 +49,32 @@ def effects() -> None:
     Example: python -m boom_mj gap effects
     """
     for kind in effect_library().values():
-        places = ", ".join(f"{key} = {'|'.join(map(str, choices))}" for key, choices in kind.places.items())
-        print(f"{kind.id}{f'  ({places})' if places else ''}")
+        sites = kind.allowed(BOOM_SITES)
+        choices = {key: dict.fromkeys(site.location[key] for site in sites if key in site.location) for key in kind.at}
+        places = ", ".join(f"{key} = {'|'.join(map(str, names))}" if names else key for key, names in choices.items())
+        print(f"{kind.id}  ({places or 'the whole machine'})")
         print("    " + (inspect.getdoc(kind) or "").replace("\n", "\n    "))
-        for name, knob in kind.parameters.items():
-            print(f"    - {name}: {knob.unit}, neutral {knob.neutral:g}, from {knob.low:g} to {knob.high:g}")
-        print(f"    confused with: {', '.join(kind.confused_with) or 'nothing known'}; told by: {kind.told_by}\n")
-    print("Of any MJCF machine (--map); sizes and places come from the model and its logs:\n")
-    for general in general_library().values():
-        print(f"{general.id}  ({general.where or 'the whole machine'})")
-        print("    " + (inspect.getdoc(general) or "").replace("\n", "\n    "))
-        print(f"    confused with: {', '.join(general.confused_with)}; told by: {general.told_by}\n")
+        for name, parameter in kind.parameters(sites[0]).items() if sites else ():
+            span = f"from {parameter.low:g} to {parameter.high:g}"
+            print(f"    - {name}: {parameter.unit}, neutral {parameter.neutral:g}, {span}")
+        if not sites:
+            print("    of any MJCF machine (--map); sizes and places come from the model and its logs")
+        alike = ", ".join(kind.confused_with) or "nothing known"
+        print(f"    confused with: {alike}; told by: {kind.separating_experiment}\n")
+
+
+@app.command()
+def criteria() -> None:
+    """List every number that decides about an answer, with its unit and its reason.
+
+    Example: python -m boom_mj gap criteria
+    """
+    from boom_mj.diagnosis.criteria import described
+
+    for family, field, values in described():
+        one = dict.fromkeys(f"{value:g}" for value in values.values())
+        shown = next(iter(one)) if len(one) == 1 else ", ".join(f"{kind} {v:g}" for kind, v in values.items())
+        print(f"{family:9} {field.name:18} {shown} {field.metadata['unit']}: {field.metadata['reason']}")
 
 
 @app.command(cls=ManyHoldouts)
@@ -93,13 +107,23 @@ def diagnose(
     model: Annotated[
         Path | None, typer.Option(metavar="MODEL.xml", help="Its MJCF file; the map's if left out.")
     ] = None,
+    most: Annotated[
+        int | None,
+        typer.Option(min=1, metavar="N", help="Most causes of an explanation; what suits the machine if left out."),
+    ] = None,
+    effects_files: Annotated[
+        list[Path] | None,
+        typer.Option("--effects", metavar="FILE.py", help="Effects of your own that compete; several may be given."),
+    ] = None,
 ) -> None:
     """Say where simulator and logs disagree, which effect causes it, and how far the gap shrinks on held-out logs.
 
     Example: python -m boom_mj gap diagnose a.mcap b.mcap --holdout c.mcap --html gap.html -o corrected.toml
     """
-    from boom_mj.diagnosis import Campaign, document, with_effects_text
     from boom_mj.diagnosis import diagnose as find
+    from boom_mj.diagnosis import document, explanation
+    from boom_mj.systems.predictor import Predictor, dataset_of
+    from boom_mj.systems.system import Corrects, System
 
     if model is not None and channels is None:
         raise InputError("--model needs a channel map: say which field of the log is what with --map MAP.toml")
@@ -111,10 +135,11 @@ def diagnose(
             output_path(path, suffix)
     if predictions is not None:
         output_folder(predictions)
+    for path in effects_files or ():
+        load_effects(path)
     for name in without or ():
-        known = general_library() if channels else effect_library()
-        if name not in known:
-            raise InputError(f"--without {name}: the library holds {', '.join(known)}")
+        if name not in effect_library():
+            raise InputError(f"--without {name}: the library holds {', '.join(effect_library())}")
     paths = [*logs, *(holdout or ())]
     recordings = [] if channels else [read_log(path) for path in paths]
     began = time.perf_counter()
@@ -122,25 +147,28 @@ def diagnose(
     def tell(line: str) -> None:
         print(f"{time.perf_counter() - began:6.1f} s  {line}", file=sys.stderr)
 
+    system: System
     if channels is not None:
-        from boom_mj.systems.mjcf import corrected_model, robot_campaign
+        from boom_mj.systems.mjcf import load_mjcf
 
-        campaign = robot_campaign(logs, holdout or (), channels, model)
-        names = [log.name for log in campaign.recordings]
+        system, data = load_mjcf(logs, holdout or (), channels, model)
+        names = [log.name for log in data.recordings]
     else:
+        from boom_mj.systems.boom import BoomSystem
+
         name = machine or recordings[0].machine
         if not name:
             raise InputError(f"{paths[0]}: the log does not name its machine; say which with --machine")
-        campaign = Campaign(find_machine(name), recordings, len(logs))
-        names = [str(path) for path in paths]
-    found = find(campaign, tuple(without or ()), tell)
+        system = BoomSystem(find_machine(name), machine_text(name))
+        data, names = dataset_of(system, recordings, len(logs)), [str(path) for path in paths]
+    found = find(Predictor(system, data), tuple(without or ()), tell, most)
     answer = document(found, names)
     tell(answer["verdict"])
     text = json.dumps(answer, indent=1)
     if table is not None:
         write_text(table, text)
-    if output is not None:
-        write_text(output, corrected_model(found) if channels else with_effects_text(machine_text(name), found))
+    if output is not None and isinstance(system, Corrects):
+        write_text(output, system.corrected(explanation(found)))
     if predictions is not None:
         with locked(predictions):
             _write_predictions(found, predictions, paths)
@@ -173,20 +201,20 @@ def _named(effect: dict[str, Any]) -> str:
 
 
 def _write_predictions(found: Any, folder: Path, paths: list[Path]) -> None:
-    from boom_mj.diagnosis import twins
-    from boom_mj.systems.mjcf import MjcfSystem, twin_tables
+    from boom_mj.diagnosis import simulated_recordings
+    from boom_mj.systems.mjcf import tables
 
     folder.mkdir(parents=True, exist_ok=True)
-    campaign, stems = found.metric.campaign, _stems(paths)
+    data, stems = found.model.data, _stems(paths)
     for kind in ("nominal", "corrected"):
-        said = twins(found, kind == "corrected")
-        if isinstance(campaign.subject, MjcfSystem):
-            for log_path, table in twin_tables(campaign, said).items():
+        said = simulated_recordings(found, kind == "corrected")
+        if found.model.facts.kind == "mjcf":
+            for log_path, table in tables(data, said).items():
                 write_columns(folder / f"{stems[Path(log_path)]}.{kind}.csv", table)
             continue
-        for log, path, twin in zip(campaign.recordings, paths, said):
-            signals = {name: named_signal(name, log[name].time, values) for name, values in twin.items()}
-            recording = Recording(log.name, log.machine, f"{kind} twin: {log.description}", signals)
+        for log, path, one in zip(data.recordings, paths, said):
+            signals = {name: named_signal(name, log[name].time, values) for name, values in one.items()}
+            recording = Recording(log.name, log.machine, f"{kind} simulation: {log.description}", signals)
             write_mcap(recording, folder / f"{stems[path]}.{kind}.mcap")
 
 

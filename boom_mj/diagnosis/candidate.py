@@ -1,16 +1,18 @@
-"""A candidate: effects at their places whose free knobs are coordinates of one vector."""
+"""A candidate: effects at their sites whose free parameters, scaled, are one vector."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from boom_mj.effects import Effect, Parameter
-from boom_mj.effects.effect import Location
+from boom_mj.effects import BOOM_SITES, Effect, Parameter, Site, effect_library
+from boom_mj.effects.base import Cause
 from boom_mj.systems.system import System
 
 Array = np.ndarray
-STEP = 0.02  # of a coordinate, for secants
+Kind = tuple[type[Effect], Site]
+STEP = 0.02  # of a scaled parameter, for secants
 
 
 @dataclass(frozen=True)
@@ -23,50 +25,50 @@ class Candidate:
 
     effects: tuple[Effect, ...]
 
-    @property
-    def knobs(self) -> tuple[tuple[int, str, Parameter], ...]:
-        """(index of the effect, name of the parameter, parameter) of every coordinate."""
+    @cached_property
+    def parameters(self) -> tuple[tuple[int, str, Parameter], ...]:
+        """(index of the effect, name, parameter) of every free one."""
         return tuple(
-            (k, name, effect.parameters[name])
+            (k, name, effect.declared[name])
             for k, effect in enumerate(self.effects)
-            for name in effect.knobs(effect.location)
+            for name in effect.free(effect.site)
         )
 
     @property
     def start(self) -> Array:
-        """Coordinates of the starting values, (p,)."""
-        return np.array([knob.coordinate(self.effects[k].values[name]) for k, name, knob in self.knobs])
+        """Scaled starting values, (p,)."""
+        return np.array([p.coordinate(self.effects[k].values[name]) for k, name, p in self.parameters])
 
-    def at(self, coordinates: Array) -> tuple[Effect, ...]:
-        """The effects at given coordinates, (p,)."""
+    def at(self, scaled: Array) -> tuple[Effect, ...]:
+        """The effects at scaled values, (p,)."""
         values = [dict(effect.values) for effect in self.effects]
-        for (k, name, knob), coordinate in zip(self.knobs, coordinates):
-            values[k][name] = knob.value(float(coordinate))
-        return tuple(type(e)(e.location, **v) for e, v in zip(self.effects, values))
+        for (k, name, parameter), size in zip(self.parameters, scaled):
+            values[k][name] = parameter.value(float(size))
+        return tuple(type(e)(e.site, **v) for e, v in zip(self.effects, values))
 
     def bounds(self) -> tuple[Array, Array]:
-        """Smallest and largest coordinates, (p,) each."""
-        ends = [sorted((knob.coordinate(knob.low), knob.coordinate(knob.high))) for *_, knob in self.knobs]
+        """Smallest and largest scaled values, (p,) each."""
+        ends = [sorted((p.coordinate(p.low), p.coordinate(p.high))) for *_, p in self.parameters]
         return np.array([low for low, _ in ends]), np.array([high for _, high in ends])
 
-    def steps(self, coordinates: Array) -> tuple[Array, list[tuple[Effect, ...]]]:
-        """A small step of every coordinate that its bounds allow, (p,), and the effects after each of them alone."""
-        steps = np.where(coordinates + STEP <= self.bounds()[1], STEP, -STEP)
-        return steps, [self.at(coordinates + step * row) for step, row in zip(steps, np.eye(len(steps)))]
+    def steps(self, scaled: Array) -> tuple[Array, list[tuple[Effect, ...]]]:
+        """A small step of every parameter that its bounds allow, (p,), and the effects after each of them alone."""
+        steps = np.where(scaled + STEP <= self.bounds()[1], STEP, -STEP)
+        return steps, [self.at(scaled + step * row) for step, row in zip(steps, np.eye(len(steps)))]
 
     def simpler(self) -> Iterator["Candidate"]:
-        """Without one of several effects, or with one where it has fewer knobs, such as roll for roll and pitch."""
+        """Without one of several effects, or with one where it has fewer parameters, as roll for roll and pitch."""
         for one in self.effects:
             others, kind = tuple(e for e in self.effects if e is not one), type(one)
             if others:
                 yield Candidate(others)
-            for place in kind.locations():
-                knobs = set(kind.knobs(place))
-                if knobs < set(kind.knobs(one.location)):
-                    yield Candidate((*others, kind(place, **{name: one.values[name] for name in knobs})))
+            for site in _alternatives(kind, one.site):
+                names = set(kind.free(site))
+                if names < set(kind.free(one.site)):
+                    yield Candidate((*others, kind(site, **{name: one.values[name] for name in names})))
 
     @property
-    def places(self) -> tuple[tuple[str, tuple], ...]:
+    def places(self) -> tuple[Cause, ...]:
         """What and where, without sizes: equal for equal causes."""
         return tuple(sorted(effect.cause for effect in self.effects))
 
@@ -75,22 +77,29 @@ class Candidate:
         return " + ".join(" ".join([e.id, *(f"{k} {v}" for k, v in e.location.items())]) for e in self.effects)
 
 
-def causes(kind: type[Effect], place: Location) -> set[tuple]:
-    """What an effect is at a place, its special cases too: of two that share one, the data cannot tell the sizes.
+def _alternatives(kind: type[Effect], site: Site) -> tuple[Site, ...]:
+    """Sites of a boom that differ in the parameters that are free there."""
+    return kind.allowed(BOOM_SITES) if "boom" in site.tags else (site,)
 
-    Where places differ in their knobs, such as roll from roll and pitch, each knob is a cause.
+
+def causes(kind: type[Effect], site: Site) -> set[tuple]:
+    """What an effect is at a site, its special cases too: of two that share one, the data cannot tell the sizes.
+
+    Where sites differ in their parameters, such as roll from roll and pitch, each parameter is a cause.
     """
-    knobs = kind.knobs(place)
-    divided = any(kind.knobs(other) != knobs for other in kind.locations())
-    parts = knobs if divided else [tuple(place.items())]
+    names = kind.free(site)
+    divided = any(kind.free(other) != names for other in _alternatives(kind, site))
+    parts = names if divided else [site.key]
     return {(name, part) for name in (kind.id, *kind.special_cases) for part in parts}
 
 
-def apart(kind: type[Effect], place: Location, effects: Sequence[Effect]) -> bool:
-    """Whether an effect at a place shares no cause with others, so that it can stand beside them."""
-    return not any(causes(kind, place) & causes(type(other), other.location) for other in effects)
+def apart(kind: type[Effect], site: Site, effects: Sequence[Effect]) -> bool:
+    """Whether an effect at a site shares no cause with others, so that it can stand beside them."""
+    return not any(causes(kind, site) & causes(type(other), other.site) for other in effects)
 
 
-def everywhere(subject: System, without: Sequence[str] = ()) -> list[tuple[type[Effect], dict]]:
-    """Every effect of a subject's library at every place, but for the ids left out."""
-    return [(kind, place) for kind, place in subject.library() if kind.id not in without]
+def everywhere(system: System, without: Sequence[str] = ()) -> list[Kind]:
+    """Every effect of the library at every site that could be a cause, but for the ids left out."""
+    kinds = (kind for kind in effect_library().values() if kind.competes and kind.id not in without)
+    sites = system.sites()
+    return [(kind, site) for kind in kinds for site in kind.allowed(sites)]

@@ -1,107 +1,106 @@
-"""Which explanation of a contest is chosen, whether it suffices, and which rivals the data cannot tell from it."""
+"""Which explanation is chosen, whether it suffices, and which rivals the data cannot tell from it."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
-from boom_mj.diagnosis.linearisation import Metric
-from boom_mj.diagnosis.scoring import Closure, Scored, worse_by
+from boom_mj.diagnosis.linearisation import Linearisation
+from boom_mj.diagnosis.scoring import Scored
+from boom_mj.estimation.bootstrap import Closure, worse_by
 
 Array = np.ndarray
-Gaps = tuple[float, float]  # learnt from, held out
-QUIET, SURE = 1.15, 4.0  # held-out gap up to which a cause must be sure, and in how many standard errors
-SMALLEST = 0.10  # fall of the held-out mean square that counts
-FLOOR = 1.0  # gap of noise alone: an effect's own inaccuracy is not what another one closes down to it
-SETTLED = 1.03  # gap that an explanation may leave, held out or not; right ones leave 0.95 to 1.01
-WHOLE = 0.95  # closure that the interval of an explanation must reach
-KNOB = 1e-3  # of the held-out gap, what a knob must be worth
-TIE = 0.03  # closure within which rivals tie
+Gaps = tuple[float, float]  # training, held out
 
 
 def solved(nominal: Gaps, found: Scored) -> bool:
-    """Whether an explanation leaves no more than noise and its own inaccuracy, learnt from and held out."""
-    slack = found.metric.campaign.subject.slack
-    return all(after <= SETTLED + slack * (before - 1) for before, after in zip(nominal, found.gaps))
+    """Whether an explanation leaves no more than noise and its own inaccuracy, in training and held out."""
+    criteria = found.model.criteria
+    bounds = (criteria.explained_gap + criteria.error_share * (before - 1) for before in nominal)
+    return all(after <= bound for bound, after in zip(bounds, found.gaps))
 
 
 def complete(nominal: Gaps, found: Scored) -> bool:
     """Whether an explanation suffices and leaves so little that no other cause hides in it."""
-    return solved(nominal, found) and max(found.gaps) < found.metric.campaign.subject.hides
+    return solved(nominal, found) and max(found.gaps) < found.model.criteria.second_cause_gap
 
 
 def useful(found: Scored, nominal: Gaps) -> bool:
     """Whether it takes away more of what is held out than the least that counts."""
-    return nominal[1] ** 2 - found.held_out**2 > SMALLEST
+    return nominal[1] ** 2 - found.held_out**2 > found.model.criteria.least_gain
 
 
 def explains(nominal: Gaps, found: Scored, share: Closure) -> bool:
     """Whether an explanation leaves no more than that and may have closed the whole gap."""
-    return solved(nominal, found) and share.high > WHOLE
+    return solved(nominal, found) and share.high > found.model.criteria.whole_closure
 
 
-def sure(metric: Metric, nominal: Array, found: Scored) -> bool:
+def held_out_loss(model: Linearisation, better: Array, worse: Array) -> tuple[float, float]:
+    """By how much a residual (N,) is worse than another in what is held out, and the standard error of that."""
+    rows = model.data.held_out
+    return worse_by(model.data.windows[rows], better[rows], worse[rows])
+
+
+def sure(model: Linearisation, nominal: Array, found: Scored) -> bool:
     """Whether the held-out residual is smaller than the nominal one beyond what chance does."""
-    fall, error = worse_by(metric, found.fit.residual, nominal, metric.campaign.held_out)
-    return fall > SURE * error
+    fall, error = held_out_loss(model, found.fit.residual, nominal)
+    return fall > model.criteria.sure_z * error
 
 
-def choose(contest: Sequence[Scored], nominal: Gaps) -> Scored | None:
-    """The best single cause, of those that suffice if any do, with few knobs, or more causes where each is worth it."""
+def choose(scored: Sequence[Scored], nominal: Gaps) -> Scored | None:
+    """The best single cause, of those that suffice if any do, with few parameters, or more causes, each worth it."""
     before = nominal[1]
-    helpful = [j for j in contest if useful(j, nominal)]
+    helpful = [j for j in scored if useful(j, nominal)]
     singles = [j for j in helpful if len(j.fit.effects) == 1]
     singles = [j for j in singles if solved(nominal, j)] or singles
     best = min(singles, key=_price, default=None)
     best = _simplest(best, singles, before)
     for size in range(2, 1 + max((len(j.fit.effects) for j in helpful), default=0)):
-        best = _with_more(best, [j for j in helpful if len(j.fit.effects) == size], contest, before)
+        best = _with_more(best, [j for j in helpful if len(j.fit.effects) == size], scored, before)
     return best
 
 
 def _price(found: Scored) -> float:
-    """The held-out gap, dearer with every knob: of explanations that say the same the simplest is the best."""
-    return found.held_out * (1 + KNOB * len(found.fit.coordinates))
+    """The held-out gap, dearer with every parameter: of explanations that say the same the simplest is the best."""
+    return found.held_out * (1 + found.model.criteria.parameter_cost * len(found.fit.scaled))
 
 
-def _with_more(
-    best: Scored | None, larger: Sequence[Scored], contest: Sequence[Scored], before: float
-) -> Scored | None:
+def _with_more(best: Scored | None, larger: Sequence[Scored], scored: Sequence[Scored], before: float) -> Scored | None:
     """The best explanation with one more cause, where it closes its share of what is left, or the best so far."""
-    for judged in sorted(larger, key=_price):
-        members = [j for j in contest if set(j.fit.candidate.places) < set(judged.fit.candidate.places)]
+    for found in sorted(larger, key=_price):
+        members = [j for j in scored if set(j.fit.candidate.places) < set(found.fit.candidate.places)]
         alone = min([before, *(j.held_out for j in members), *([best.held_out] if best else [])])
-        gain = alone**2 - judged.held_out**2
-        subject = judged.metric.campaign.subject
-        inaccurate = 0.0 if max(judged.gaps) < FLOOR else subject.spill * (before**2 - alone**2)
-        enough = gain > SMALLEST + inaccurate
-        if enough and alone - judged.held_out > subject.worth * (alone - 1):
-            return _simplest(judged, larger, before)
+        gain, criteria = alone**2 - found.held_out**2, found.model.criteria
+        inaccurate = 0.0 if max(found.gaps) < criteria.floor else criteria.leakage * (before**2 - alone**2)
+        enough = gain > criteria.least_gain + inaccurate
+        if enough and alone - found.held_out > criteria.required_gain * (alone - 1):
+            return _simplest(found, larger, before)
     return best
 
 
 def _simplest(best: Scored | None, rivals: Sequence[Scored], before: float) -> Scored | None:
-    """The same causes with fewer knobs, where the others do not close their share of what those leave."""
-    for judged in rivals:
-        if best and _nested(judged, best):
-            subject = judged.metric.campaign.subject
-            loss = judged.held_out**2 - best.held_out**2
-            share = subject.worth * (judged.held_out - 1)
-            same = [e.id for e in judged.fit.effects] == [e.id for e in best.fit.effects]
-            if same and subject.spill:
-                best = judged if loss < subject.spill * before**2 else best
-            elif loss < SMALLEST or judged.held_out - best.held_out < share:
-                best = judged
+    """The same causes with fewer parameters, where the others do not close their share of what those leave."""
+    for found in rivals:
+        if best and _nested(found, best):
+            criteria = found.model.criteria
+            loss = found.held_out**2 - best.held_out**2
+            share = criteria.required_gain * (found.held_out - 1)
+            same = [e.id for e in found.fit.effects] == [e.id for e in best.fit.effects]
+            if same and criteria.leakage:
+                best = found if loss < criteria.leakage * before**2 else best
+            elif loss < criteria.least_gain or found.held_out - best.held_out < share:
+                best = found
     return best
 
 
-def ties_with(metric: Metric, best: Scored, other: Scored, before: float) -> bool:
+def ties_with(model: Linearisation, best: Scored, other: Scored, before: float) -> bool:
     """Whether a rival does as well within its uncertainty; supersets of the best do not count."""
     if set(best.fit.candidate.places) <= set(other.fit.candidate.places):
         return False
     if _nested(best, other) or len(other.fit.effects) > len(best.fit.effects):
         return False
-    worse, error = worse_by(metric, best.fit.residual, other.fit.residual, metric.campaign.held_out)
-    return (other.held_out - best.held_out) < TIE * (before - 1) and worse < 2 * error
+    worse, error = held_out_loss(model, best.fit.residual, other.fit.residual)
+    criteria = model.criteria
+    return (other.held_out - best.held_out) < criteria.tie_closure * (before - 1) and worse < criteria.tie_z * error
 
 
 def _nested(best: Scored, other: Scored) -> bool:
@@ -110,4 +109,4 @@ def _nested(best: Scored, other: Scored) -> bool:
     alike = len(best.fit.effects) == len(other.fit.effects) and all(
         a.id == b.id or a.id in b.special_cases for a, b in pairs
     )
-    return alike and len(other.fit.coordinates) > len(best.fit.coordinates)
+    return alike and len(other.fit.scaled) > len(best.fit.scaled)

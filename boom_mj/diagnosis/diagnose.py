@@ -1,4 +1,4 @@
-"""The diagnosis: fidelity and nuisances, screening, contest, combinations, and judgement on held-out data."""
+"""The diagnosis: fidelity and nuisances, screening, single causes, combinations, and scores on held-out data."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -8,45 +8,49 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from boom_mj.diagnosis.candidate import everywhere
-from boom_mj.diagnosis.decision import QUIET, SETTLED, SMALLEST, choose, complete, explains, solved, sure, ties_with
-from boom_mj.diagnosis.linearisation import Metric, make_metric
-from boom_mj.diagnosis.scoring import Closure, Scored, closure, gap
-from boom_mj.diagnosis.screening import Screened, Signatures, spectral_lines
+from boom_mj.diagnosis.criteria import Criteria
+from boom_mj.diagnosis.decision import choose, complete, explains, solved, sure, ties_with
+from boom_mj.diagnosis.linearisation import Linearisation, linearise
+from boom_mj.diagnosis.scoring import Scored
+from boom_mj.diagnosis.screening import Screened, Screening, spectral_lines
 from boom_mj.diagnosis.stages import combined, refined, singles
-from boom_mj.systems.predictor import Campaign
-from boom_mj.systems.system import ResidualForce
+from boom_mj.estimation.bootstrap import Closure, closure, gap
+from boom_mj.systems.predictor import Predictor
+from boom_mj.systems.system import Designs, ResidualForce, ResidualForces, separating_experiments
 
 Array = np.ndarray
-PROMISE = 0.01  # fall of the training mean square by screening, of which a quiet machine's best candidate stays short
-HEALTHY = 1.05  # held-out gap up to which nothing needs explaining; healthy machines show 0.97 to 0.99
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Diagnosis:
     """What was found.
 
     Attributes:
         verdict: consistent, explained, ambiguous or unexplained.
         best: the explanation, None where nothing helps.
-        contest: all judged candidates, best first.
+        scored: all scored candidates, best first.
         ties: rivals that the data cannot tell from the best.
         nominal: whitened residual of the nominal model with its nuisances, (N,).
         closure: of the best on held-out entries.
-        fidelity_alone: share of the coarse model's held-out gap that finer hinges close by themselves.
-        next_experiment: of the catalogue, that would separate the ties.
-        metric: in which all this is said.
+        fidelity_alone: share of the coarse model's held-out gap that a finer one closes by itself.
+        next_experiment: that would separate the ties.
+        model: the healthy machine, about which all this is said.
     """
 
     verdict: str
     best: Scored | None
-    contest: tuple[Scored, ...]
+    scored: tuple[Scored, ...]
     ties: tuple[Scored, ...]
     screened: tuple[Screened, ...]
     nominal: Array
     closure: Closure
     fidelity_alone: float
     next_experiment: str | None
-    metric: Metric
+    model: Linearisation
+
+    @property
+    def criteria(self) -> Criteria:
+        return self.model.criteria
 
     @property
     def solved(self) -> bool:
@@ -59,105 +63,128 @@ class Diagnosis:
         return self.best.fit.residual if self.best else self.nominal
 
     @cached_property
-    def taught(self) -> Array:
-        """What the explanation leaves or, where that is much, what has learnt all that there was, whitened, (N,)."""
-        most = [j for j in self.contest if j.train <= SETTLED]
-        if not most or gap(self.residual, self.metric.campaign.train) <= QUIET:
+    def trained(self) -> Array:
+        """What the explanation leaves or, where that is much, what explains all of training, whitened, (N,)."""
+        most = [j for j in self.scored if j.train <= self.criteria.explained_gap]
+        if not most or gap(self.residual, self.model.data.train) <= self.criteria.near_noise_gap:
             return self.residual
         return min(most, key=lambda j: j.train).fit.residual
 
     @cached_property
-    def not_learnt(self) -> dict[int, float]:
-        """Recordings held out, by index, with a gap where what is learnt from has none or an explanation, and it."""
-        campaign = self.metric.campaign
-        if self.solved or campaign.split_in_time or gap(self.taught, campaign.train) > QUIET:
+    def not_trained(self) -> dict[int, float]:
+        """Recordings held out, by index, with a gap where training has none or an explanation, and it."""
+        data, near_noise = self.model.data, self.criteria.near_noise_gap
+        if self.solved or data.split_in_time or gap(self.trained, data.train) > near_noise:
             return {}
-        rows = (campaign.held_out & (campaign.recording_of == k) for k in range(len(campaign.recordings)))
-        left = {k: gap(self.taught, own) for k, own in enumerate(rows)}
-        return {k: size for k, size in left.items() if size > QUIET}
+        rows = (data.held_out & (data.recording_of == k) for k in range(len(data.recordings)))
+        left = {k: gap(self.trained, own) for k, own in enumerate(rows)}
+        return {k: size for k, size in left.items() if size > near_noise}
 
     @cached_property
-    def pushes(self) -> tuple[ResidualForce, ...]:
-        """What would have to push the nominal model to where the machine is."""
-        return self.metric.campaign.subject.pushes(self.metric, self.nominal)
+    def forces(self) -> tuple[ResidualForce, ...]:
+        """What would push the nominal model to where the machine is; none where channels do not tell where it is."""
+        system, model = self.model.system, self.model
+        if not isinstance(system, ResidualForces):
+            return ()
+        return system.forces(model.data, self.nominal, model.noise.weight)
 
 
 def diagnose(
-    campaign: Campaign, without: Sequence[str] = (), tell: Callable[[str], None] = lambda line: None
+    predictor: Predictor,
+    without: Sequence[str] = (),
+    tell: Callable[[str], None] = lambda line: None,
+    most: int | None = None,
 ) -> Diagnosis:
-    """Find what a campaign's machine has that the nominal model lacks.
+    """Find what a machine has that its nominal model lacks.
 
     Args:
+        predictor: of its system and recordings.
         without: ids of effects that are withheld from the library.
         tell: hears one line per stage.
+        most: causes that an explanation may have; those of the system's facts if left out.
     """
     with threadpool_limits(1):  # simulations have the cores
-        return _diagnose(campaign, without, tell)
+        return _diagnose(predictor, without, tell, most or predictor.system.facts.max_causes)
 
 
-def _diagnose(campaign: Campaign, without: Sequence[str], tell: Callable[[str], None]) -> Diagnosis:
+def _diagnose(predictor: Predictor, without: Sequence[str], tell: Callable[[str], None], most: int) -> Diagnosis:
     tell("fidelity and nuisances")
-    metric = make_metric(campaign)
-    raw = metric.residual(metric.base)
-    nominal = metric.clean(raw)
-    gaps = learnt, before = gap(nominal, campaign.train), gap(nominal, campaign.held_out)
-    tell(f"nominal gap {learnt:.2f} in training, {before:.2f} held out; screening")
-    signatures = Signatures(metric, everywhere(campaign.subject, without), spectral_lines(metric, nominal))
-    screened = signatures.rank(raw)
-    contest = []
-    if max(gaps) > HEALTHY or (screened and screened[0].share * learnt**2 > PROMISE):
-        contest = singles(metric, screened, tell)
-    worth = contest and (before > HEALTHY or before**2 - contest[0].held_out ** 2 > SMALLEST / 2)
-    contest = refined(contest, gaps, tell) if worth else contest
-    found = _concluded(metric, nominal, screened, contest, tell)
-    other = None if found.solved else _borrowing(found, SETTLED, without, tell)
-    if worth and not other and not complete(gaps, contest[0]):
-        found = _concluded(metric, nominal, screened, combined(contest, gaps, without, tell), tell)
-        other = None if found.solved else _borrowing(found, QUIET, without, tell)
+    model = linearise(predictor)
+    data, criteria = model.data, model.criteria
+    raw = model.residual(model.base)
+    nominal = model.clean(raw)
+    gaps = training, before = gap(nominal, data.train), gap(nominal, data.held_out)
+    tell(f"nominal gap {training:.2f} in training, {before:.2f} held out; screening")
+    screened = Screening(model, everywhere(model.system, without), spectral_lines(model, nominal)).rank(raw)
+    scored = []
+    if max(gaps) > criteria.healthy_gap or (screened and screened[0].share * training**2 > criteria.healthy_promise):
+        scored = singles(model, screened, tell)
+    fall = before**2 - scored[0].held_out ** 2 if scored else 0.0
+    worth = bool(scored) and (before > criteria.healthy_gap or fall > criteria.least_gain / 2)
+    scored = refined(scored, gaps, tell) if worth else scored
+    found = _concluded(model, nominal, screened, scored, tell)
+    other = None if found.solved else _extended(found, criteria.explained_gap, without, tell, most)
+    if worth and not other and not complete(gaps, scored[0]):
+        found = _concluded(model, nominal, screened, combined(scored, gaps, without, tell, most), tell)
+        other = None if found.solved else _extended(found, criteria.near_noise_gap, without, tell, most)
     return other if other and other.solved else found
 
 
-def _borrowing(found: Diagnosis, quiet: float, without: Sequence[str], tell: Callable[[str], None]) -> Diagnosis | None:
-    """The diagnosis where part of a recording held out teaches what no recording to learn from shows; its rest judges.
+def _extended(
+    found: Diagnosis, left: float, without: Sequence[str], tell: Callable[[str], None], most: int
+) -> Diagnosis | None:
+    """The diagnosis where part of a recording held out trains what no other recording shows; its rest judges.
 
     Args:
-        quiet: what an explanation may leave of what is learnt from.
+        left: what an explanation may leave of training.
     """
-    campaign = found.metric.campaign
-    hidden = {k: size for k, size in found.not_learnt.items() if k not in campaign.borrowed}
-    if not hidden or gap(found.taught, campaign.train) > quiet:
+    data = found.model.data
+    hidden = {k: size for k, size in found.not_trained.items() if k not in data.extended}
+    if not hidden or gap(found.trained, data.train) > left:
         return None
-    most = max(hidden, key=hidden.__getitem__)
-    part = f"{campaign.subject.words.learnt} of {campaign.recordings[most].name}"
-    tell(f"recordings to learn from do not show the gap; learning from {part} as well")
-    return _diagnose(campaign.borrowing(most), without, tell)
+    largest = max(hidden, key=hidden.__getitem__)
+    part = f"{found.model.facts.wording.first_part} of {data.recordings[largest].name}"
+    tell(f"training recordings do not show the gap; training with {part} as well")
+    return _diagnose(found.model.predictor.extending(largest), without, tell, most)
 
 
 def _concluded(
-    metric: Metric,
+    model: Linearisation,
     nominal: Array,
     screened: Sequence[Screened],
-    contest: Sequence[Scored],
+    scored: Sequence[Scored],
     tell: Callable[[str], None],
 ) -> Diagnosis:
-    """What a contest says."""
-    campaign = metric.campaign
-    gaps = _, before = gap(nominal, campaign.train), gap(nominal, campaign.held_out)
-    best = choose(contest, gaps)
-    if best and before <= QUIET and not sure(metric, nominal, best):
+    """What scores say."""
+    data, criteria = model.data, model.criteria
+    gaps = _, before = gap(nominal, data.train), gap(nominal, data.held_out)
+    best = choose(scored, gaps)
+    if best and before <= criteria.near_noise_gap and not sure(model, nominal, best):
         best = None
-    share = closure(metric, nominal, best.fit.residual if best else nominal, campaign.held_out)
-    verdict = "unexplained" if best or before > HEALTHY else "consistent"
+    share = held_out_closure(model, nominal, best.fit.residual if best else nominal)
+    verdict = "unexplained" if best or before > criteria.healthy_gap else "consistent"
     ties: tuple[Scored, ...] = ()
     if best and explains(gaps, best, share):
-        rivals = (j for j in contest if j is not best and solved(gaps, j))
-        ties = tuple(j for j in rivals if ties_with(metric, best, j, before))
+        rivals = (j for j in scored if j is not best and solved(gaps, j))
+        ties = tuple(j for j in rivals if ties_with(model, best, j, before))
         verdict = "ambiguous" if ties else "explained"
     following = None
     if best and ties:
         tell("the next experiment")
-        explanations = [j.fit.effects for j in (best, *ties)]
-        following = campaign.subject.next_experiment(explanations, [log.name for log in campaign.recordings])
-    coarse = metric.clean(metric.white(campaign.measured - campaign.predict([()], campaign.subject.fidelity.coarse)[0]))
-    fidelity = closure(metric, coarse, nominal, campaign.held_out).value
-    return Diagnosis(verdict, best, tuple(contest), ties, tuple(screened), nominal, share, fidelity, following, metric)
+        following = _next_experiment(model, [j.fit.effects for j in (best, *ties)])
+    (coarse,) = model.predictor.predict([()], model.facts.fidelity.coarse)
+    coarse = model.clean(model.noise.white(data.measured - coarse))
+    fidelity = held_out_closure(model, coarse, nominal).value
+    return Diagnosis(verdict, best, tuple(scored), ties, tuple(screened), nominal, share, fidelity, following, model)
+
+
+def held_out_closure(model: Linearisation, before: Array, after: Array) -> Closure:
+    """How much of a held-out gap went away between two whitened residuals, (N,)."""
+    rows = model.data.held_out
+    return closure(model.data.windows[rows], before[rows], after[rows])
+
+
+def _next_experiment(model: Linearisation, rivals: Sequence[tuple]) -> str | None:
+    if isinstance(model.system, Designs):
+        return model.system.next_experiment(rivals, [log.name for log in model.data.recordings])
+    return separating_experiments(rivals)

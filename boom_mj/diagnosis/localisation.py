@@ -10,11 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from boom_mj.systems.predictor import Campaign
+from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.systems.system import Band
 
 Array = np.ndarray
-PLAIN = 0.2  # share of a residual that a look must take
 
 
 @dataclass(frozen=True)
@@ -38,18 +37,19 @@ class Cell:
 AXES = ("sensor", "link", "direction", "band", "phase")
 
 
-def locate(campaign: Campaign, residual: Array) -> tuple[Cell, ...]:
+def locate(model: Linearisation, residual: Array) -> tuple[Cell, ...]:
     """All cells of a whitened residual (N,), largest first."""
     power: dict[tuple[str, ...], float] = defaultdict(float)
     count: dict[tuple[str, ...], float] = defaultdict(float)
-    subject = campaign.subject
-    phases = [subject.phases(log) for log in campaign.recordings]
-    for number, channel in enumerate(campaign.channels):
-        series = residual[campaign.stretch(number)]
+    data, system, facts = model.data, model.system, model.facts
+    phases = [system.timeline(log).phases() for log in data.recordings]
+    for number, channel in enumerate(data.channels):
+        series = residual[data.stretch(number)]
         when = phases[channel.recording]
-        names = np.array([when[min(int(t / subject.block), len(when) - 1)] for t in channel.time])
-        place = subject.place(channel.group)
-        for band, part in bands(series, subject.bands, subject.block):
+        names = np.array([when[min(int(t / data.block_s), len(when) - 1)] for t in channel.time])
+        at = system.channel(channel.signal, channel.column)
+        place = at.sensor, at.part, at.direction
+        for band, part in bands(series, facts.bands_hz, data.block_s):
             for phase in np.unique(names):
                 inside = names == phase
                 power[(*place, band, phase)] += float(part[inside] @ part[inside])
@@ -91,13 +91,14 @@ def in_words(cells: tuple[Cell, ...]) -> str:
     return f"it is seen most {', '.join(parts)}"
 
 
-def looks(campaign: Campaign, residual: Array) -> str:
+def looks_like(model: Linearisation, residual: Array) -> str:
     """What an unexplained residual looks like, by the regressor that takes most of it."""
     scores = {"periodic": 0.0, "odd in velocity": 0.0, "drifting": 0.0, "pose dependent": 0.0, "one-sided": 0.0}
-    subject, total = campaign.subject, float(residual @ residual) + 1e-300
+    data, total = model.data, float(residual @ residual) + 1e-300
+    lines = [model.system.timeline(log) for log in data.recordings]
     means: dict[tuple[str, int], list[float]] = defaultdict(list)
-    for number, channel in enumerate(campaign.channels):
-        series = residual[campaign.stretch(number)]
+    for number, channel in enumerate(data.channels):
+        series = residual[data.stretch(number)]
         if len(series) < 30:
             continue
         mean = float(series.mean())
@@ -110,8 +111,8 @@ def looks(campaign: Campaign, residual: Array) -> str:
         scores["periodic"] += (
             spectrum[max(1, peak - 1) : peak + 2].sum() / (spectrum.sum() + 1e-300) * (free @ free / total)
         )
-        rate = np.gradient(subject.motion(campaign.recordings[channel.recording], channel.time), channel.time, axis=0)
-        signs = np.sign(np.where(np.abs(rate) > 5 * subject.still, rate, 0.0))
+        rate = np.gradient(lines[channel.recording].coordinates(channel.time), channel.time, axis=0)
+        signs = np.sign(np.where(np.abs(rate) > 5 * model.facts.still, rate, 0.0))
         best = max((float(free @ s) ** 2 / float(s @ s) for s in signs.T if s @ s > 10), default=0.0)
         scores["odd in velocity"] += best / total
         skew = float(np.mean(free**3) / (np.mean(free**2) ** 1.5 + 1e-300))
@@ -119,6 +120,6 @@ def looks(campaign: Campaign, residual: Array) -> str:
     for values in means.values():
         scores["pose dependent"] += float(np.sum(np.square(values))) / total
     name = max(scores, key=lambda key: scores[key])
-    if scores[name] < PLAIN:
+    if scores[name] < model.criteria.seen_share:
         return "nothing in particular"
     return f"{name} ({min(scores[name], 1.0):.0%} of it)"

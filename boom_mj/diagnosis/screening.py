@@ -1,28 +1,24 @@
 """Screening: which candidates are worth a fit, by the sensitivity of the simulated recordings to them.
 
-For the probes of a candidate the columns J = f(probe) - f(0) are simulated at the roughest level; in the inner product
-of the metric the best weights are w = (J^T J + 1 / W^2)^-1 J^T r, and they explain the share J^T r . w / <r, r> of the
-training misfit. All candidates go in one batch, and with them what follows freely, so that what the two have in common
-is known: the nuisances, and the effects that the machine has already.
+For the screening points of a candidate the columns J = f(point) - f(0) are simulated at the roughest level; in the
+inner product of the nuisances the best weights are w = (J^T J + 1 / W^2)^-1 J^T r, and they explain the share
+J^T r . w / <r, r> of the training misfit. All candidates go in one batch, and with them what follows freely, so that
+what the two have in common is known: the nuisances, and the effects that the machine has already.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
-from boom_mj.diagnosis.candidate import Candidate, apart
-from boom_mj.diagnosis.fitting import PRIOR
-from boom_mj.diagnosis.linearisation import Metric, coarsely, with_courses
+from boom_mj.diagnosis.candidate import Candidate, Kind, apart
+from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.effects import Effect
+from boom_mj.estimation.least_squares import OPTIONS
+from boom_mj.systems.system import LinearResponse
 
 Array = np.ndarray
-WIDEST = 10.0  # prior deviation of a probe's weight
-LINES = 3  # spectral lines offered to periodic effects
-ALIKE = 0.9  # of the largest share of all, from which other probes of a candidate are starts too,
-APART = 0.5  # if they differ by more of a size worth finding
-LEFT = 0.25  # of a gap, by a course
 
 
 @dataclass(frozen=True)
@@ -43,100 +39,107 @@ class Screened:
         return self.candidate, *self.others
 
 
-class Signatures:
+class Screening:
     """Sensitivity columns of every candidate about a machine, simulated once.
 
     Args:
-        metric: of that machine.
-        kinds: effects and places.
-        lines: frequencies (Hz) offered to periodic effects.
+        model: of that machine.
+        kinds: effects and sites.
+        lines_hz: frequencies offered to periodic effects.
         given: effects that the machine has already, free to change.
     """
 
     def __init__(
         self,
-        metric: Metric,
-        kinds: Sequence[tuple[type[Effect], dict]],
-        lines: Sequence[float],
+        model: Linearisation,
+        kinds: Sequence[Kind],
+        lines_hz: Sequence[float],
         given: tuple[Effect, ...] = (),
     ):
-        self.metric, self.given = metric, given
-        free = [(kind, place) for kind, place in kinds if apart(kind, place, given)]
-        self.rows = [(kind, place, group) for kind, place in free for group in kind.probes(place, lines) if group]
-        campaign, subject = metric.campaign, metric.campaign.subject
-        probes = [kind(place, **probe) for kind, place, group in self.rows for probe in group]
-        known, train, level = Candidate(given), campaign.train, subject.fidelity.rough
+        self.model, self.given = model, given
+        free = [(kind, site) for kind, site in kinds if apart(kind, site, given)]
+        self.rows = [(kind, site, group) for kind, site in free for group in kind.screening(site, lines_hz) if group]
+        points = [kind(site, **values) for kind, site, group in self.rows for values in group]
+        known, data, noise = Candidate(given), model.data, model.noise
+        train, level = data.train, model.facts.fidelity.rough
         steps, moved = known.steps(known.start)
-        nuisances = [(*given, *t.hypothesis) for t in metric.nuisances]
+        nuisances = [(*given, *t.hypothesis) for t in model.nuisances]
         loose = [*nuisances, *moved]
-        short = {probe: column for probe in probes if (column := subject.shortcut(probe))}
-        long = [probe for probe in dict.fromkeys(probes) if probe not in short]
-        whole = [given, *loose, *((*given, probe) for probe in long)]
-        found = campaign.predictions(whole, level, training_only=True)
+        long = [point for point in dict.fromkeys(points) if self._response(point, model.columns) is None]
+        whole = [given, *loose, *((*given, point) for point in long)]
+        found = model.predictor.predictions(whole, level, data.trained)
         base = next(found)
         changes = np.nan_to_num([next(found) - base for _ in loose]).reshape(len(loose), len(base)).T
-        rough = replace(metric, columns=changes[:, : len(nuisances)] * [t.deviation for t in metric.nuisances])
-        known_columns = [metric.white(change)[train] / s for change, s in zip(changes.T[len(nuisances) :], steps)]
-        self.follow = np.column_stack([rough.taught, *known_columns])
-        columns = {probe: column(rough)[train] for probe, column in short.items()}
-        columns |= {probe: metric.white(prediction - base)[train] for probe, prediction in zip(long, found)}
-        self.columns = np.stack([columns[p] for p in probes], axis=1, dtype=np.float32)  # (training, c)
+        rough = changes[:, : len(nuisances)] * [t.deviation for t in model.nuisances]
+        known_columns = [noise.white(c)[train] / s for c, s in zip(changes.T[len(nuisances) :], steps)]
+        self.follow = np.column_stack([model.with_noise(noise, rough).posterior.trained, *known_columns])
+        columns = {point: noise.white(prediction - base)[train] for point, prediction in zip(long, found)}
+        for point in points:
+            if (known_response := self._response(point, rough)) is not None:
+                columns[point] = noise.white(known_response)[train]
+        self.columns = np.stack([columns[p] for p in points], axis=1, dtype=np.float32)  # (training, c)
         ends = np.cumsum([0, *(len(group) for _, _, group in self.rows)])
         self.stretches = [slice(start, stop) for start, stop in pairwise(ends)]
 
     def rank(self, residual: Array) -> list[Screened]:
-        """Candidates by the share of a whitened residual that they may explain, best first, each at its best probe."""
-        metric, train = self.metric, self.metric.campaign.train
-        estimate = metric.estimate(residual)
-        left = residual[train] - metric.taught @ estimate
-        count, free = len(estimate), metric.free(estimate)  # a nuisance at its limit does not follow
-        prior = np.r_[np.ones(count), np.full(self.follow.shape[1] - count, PRIOR**-2)]
+        """Candidates by the share of a whitened residual that they may explain, best first, each at its best point."""
+        posterior, budget = self.model.posterior, self.model.budget
+        left, estimate = posterior.left(residual)
+        count, free = len(estimate), posterior.free(estimate)  # a nuisance at its limit does not follow
+        prior = np.r_[np.ones(count), np.full(self.follow.shape[1] - count, OPTIONS.prior**-2)]
         follow, prior = (part[..., np.r_[free, np.ones(len(prior) - count, bool)]] for part in (self.follow, prior))
         across = follow.T @ self.columns  # (k, c)
         following = np.linalg.solve(np.diag(prior) + follow.T @ follow, across)
         slopes, whole = left @ self.columns - (left @ follow) @ following, float(left @ left)
         found: dict[tuple, list[Screened]] = {}
-        for (kind, place, group), part in zip(self.rows, self.stretches):
+        for (kind, site, group), part in zip(self.rows, self.stretches):
             square = self.columns[:, part].T @ self.columns[:, part] - across[:, part].T @ following[:, part]
-            curvature = square + np.eye(len(group)) / WIDEST**2
+            curvature = square + np.eye(len(group)) / budget.weight_prior**2
             weights = np.linalg.solve(curvature, slopes[part])
-            values = kind.blend(group, weights)
-            candidate = Candidate((kind(place, **values),))
-            share = float(slopes[part] @ weights / whole) if _acts(kind, values) else 0.0
-            share = max(share, self._of_course(candidate, residual))
+            values = kind.combine(site, group, weights)
+            effect = kind(site, **values)
+            share = float(slopes[part] @ weights / whole) if _acts(effect, values) else 0.0
+            share = max(share, self._of_latent(effect, residual))
+            candidate = Candidate((effect,))
             found.setdefault(candidate.places, []).append(Screened(candidate, share))
-        least = ALIKE * max((s.share for alike in found.values() for s in alike), default=0.0)
+        least = budget.alike_share * max((s.share for alike in found.values() for s in alike), default=0.0)
         ranked = []
         for alike in found.values():
             best, *others = sorted(alike, key=lambda s: -s.share)
             starts = [best.candidate]
             for other in (s.candidate for s in others if s.share > least):
-                if all(np.max(np.abs(other.start - start.start)) > APART for start in starts):
+                if all(np.max(np.abs(other.start - start.start)) > budget.apart for start in starts):
                     starts.append(other)
             ranked.append(replace(best, others=tuple(starts[1:])))
         return sorted(ranked, key=lambda s: -s.share)
 
-    def _of_course(self, candidate: Candidate, residual: Array) -> float:
-        """The share of a whitened residual that a course in time of a candidate would explain, if it has one.
+    def _response(self, point: Effect, columns: Array) -> Array | None:
+        """What a point changes, (N,), where that is known without simulation, from what nuisances do."""
+        system = self.model.system
+        return system.column(point, self.model.data, columns) if isinstance(system, LinearResponse) else None
+
+    def _of_latent(self, effect: Effect, residual: Array) -> float:
+        """The share of a whitened residual that a latent input of an effect would explain, if it has one.
 
         Only one that leaves little counts.
         """
-        metric, train = coarsely(self.metric), self.metric.campaign.train
-        own = with_courses(metric, (*self.given, *candidate.effects), training_only=True)
-        if own.courses is None or metric.courses is not None:
+        model, train = self.model, self.model.data.train
+        own = model.coarse.with_latent((*self.given, effect), training_only=True)
+        if own.latent is None or model.latent is not None:
             return 0.0
-        left = metric.clean(residual)
-        before, after = (float(np.mean(white[train] ** 2)) for white in (left, own.courses.without(left)))
-        return 1 - after / before if after**0.5 - 1 < LEFT * (before**0.5 - 1) else 0.0
+        left = model.clean(residual)
+        before, after = (float(np.mean(white[train] ** 2)) for white in (left, own.latent.without(left)))
+        enough = model.budget.latent_left * (before**0.5 - 1)
+        return 1 - after / before if after**0.5 - 1 < enough else 0.0
 
 
-def spectral_lines(metric: Metric, residual: Array, count: int = LINES) -> list[float]:
+def spectral_lines(model: Linearisation, residual: Array) -> list[float]:
     """Frequencies (Hz) that stand out of the whitened channels that listen, in every training recording."""
-    campaign, total = metric.campaign, None
-    grid = np.arange(0.1, 3.0, 0.005)
-    for number, channel in enumerate(campaign.channels):
-        if channel.signal == campaign.subject.listening and channel.recording in campaign.learning:
-            part = residual[campaign.stretch(number)]
+    data, budget, total = model.data, model.budget, None
+    grid = np.arange(budget.line_low_hz, budget.line_high_hz, 0.005)
+    for number, channel in enumerate(data.channels):
+        if channel.signal == model.facts.line_signal and channel.recording in data.trained:
+            part = residual[data.stretch(number)]
             part = part - part.mean()
             phase = np.exp(-2j * np.pi * grid[:, None] * channel.time[None, :])
             power = np.abs(phase @ (part * np.hanning(len(part)))) ** 2 / (part @ part + 1)
@@ -144,10 +147,10 @@ def spectral_lines(metric: Metric, residual: Array, count: int = LINES) -> list[
     if total is None:
         return []
     peaks = np.flatnonzero((total[1:-1] > total[:-2]) & (total[1:-1] >= total[2:])) + 1
-    return [float(grid[k]) for k in peaks[np.argsort(-total[peaks])][:count]]
+    return [float(grid[k]) for k in peaks[np.argsort(-total[peaks])][: budget.lines]]
 
 
-def _acts(kind: type[Effect], values: dict[str, float]) -> bool:
+def _acts(effect: Effect, named: Iterable[str]) -> bool:
     """Whether any of the values is off neutral: one-sided bounds may forbid what the weights ask for."""
-    knobs = kind.parameters
-    return any(v != knobs[name].neutral and abs(knobs[name].coordinate(v)) > 1e-6 for name, v in values.items())
+    pairs = ((effect.declared[name], effect.values[name]) for name in named)
+    return any(value != p.neutral and abs(p.coordinate(value)) > 1e-6 for p, value in pairs)

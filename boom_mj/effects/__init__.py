@@ -1,12 +1,23 @@
-"""What can differ from the nominal machine: the theory here, one small file per effect in `library/`."""
+"""What can differ from the nominal machine: the theory in `base`, one small file per effect in `library/`."""
 
-from boom_mj.effects.effect import AngleEffect as AngleEffect
-from boom_mj.effects.effect import Effect as Effect
-from boom_mj.effects.effect import LoadEffect as LoadEffect
-from boom_mj.effects.effect import ModelEffect as ModelEffect
-from boom_mj.effects.effect import Parameter as Parameter
-from boom_mj.effects.effect import SignalEffect as SignalEffect
-from boom_mj.effects.effect import effect_library as effect_library
-from boom_mj.effects.effect import effects_of as effects_of
-from boom_mj.effects.effect import make_effect as make_effect
-from boom_mj.effects.effect import parse_effect as parse_effect
+from boom_mj.effects.base import AngleEffect as AngleEffect
+from boom_mj.effects.base import Array as Array
+from boom_mj.effects.base import Effect as Effect
+from boom_mj.effects.base import ForceEffect as ForceEffect
+from boom_mj.effects.base import InputEffect as InputEffect
+from boom_mj.effects.base import ModelEffect as ModelEffect
+from boom_mj.effects.base import Motion as Motion
+from boom_mj.effects.base import OutputEffect as OutputEffect
+from boom_mj.effects.base import ResistEffect as ResistEffect
+from boom_mj.effects.base import Values as Values
+from boom_mj.effects.base import is_output as is_output
+from boom_mj.effects.parameter import Parameter as Parameter
+from boom_mj.effects.registry import builtin as builtin
+from boom_mj.effects.registry import effect_library as effect_library
+from boom_mj.effects.registry import effects_of as effects_of
+from boom_mj.effects.registry import load_effects as load_effects
+from boom_mj.effects.registry import make_effect as make_effect
+from boom_mj.effects.registry import parse_effect as parse_effect
+from boom_mj.effects.site import BOOM_SITES as BOOM_SITES
+from boom_mj.effects.site import Location as Location
+from boom_mj.effects.site import Site as Site

@@ -3,11 +3,12 @@
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.stats import norm as normal
-from scipy.stats import t as student
+from scipy.special import ndtri, stdtrit
 
 Array = np.ndarray
-SURE = 0.975  # upper end of a 95 % interval
+LEVEL = 0.95  # of every interval
+TAIL = (1 - LEVEL) / 2
+Z95 = float(ndtri(1 - TAIL))  # standard deviations at the end of such an interval, 1.96
 FEWEST = 4  # clusters
 
 
@@ -27,6 +28,6 @@ def robust_variance(inverse: Array, score: Array, clusters: Sequence[Array]) -> 
         count = len(np.unique(cluster))
         if count >= FEWEST:
             sums = np.stack([np.bincount(cluster, column) for column in score.T], axis=1)
-            wider = count / (count - 1) * (student.ppf(SURE, count - 1) / normal.ppf(SURE)) ** 2
+            wider = count / (count - 1) * (stdtrit(count - 1, 1 - TAIL) / Z95) ** 2
             variances.append(wider * np.diag(inverse @ (sums.T @ sums) @ inverse))
     return np.max(variances, axis=0)

@@ -10,5 +10,6 @@ from boom_mj.recording.signal import Signal as Signal
 from boom_mj.recording.signal import Spectrum as Spectrum
 from boom_mj.recording.signal import align as align
 from boom_mj.recording.signal import resample as resample
+from boom_mj.recording.signal import sample as sample
 from boom_mj.recording.signal import spectrum as spectrum
 from boom_mj.recording.signal import window as window

@@ -158,3 +158,8 @@ def _read_only(array: Array) -> Array:
 def _names(signal: Signal) -> str:
     first, last = signal.channels[0], signal.channels[-1]
     return first if first == last else f"{first}..{last}"
+
+
+def sample(signal: Signal, time: Array) -> Array:
+    """Values at the given times, (m, k), linear between samples and held beyond them."""
+    return np.stack([np.interp(time, signal.time, column) for column in signal.values.T], axis=1)

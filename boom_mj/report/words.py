@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from boom_mj.effects.effect import Effect, effect_library
-from boom_mj.effects.general_effect import general_library
+from boom_mj.effects import Effect, effect_library
 
 MINUS, DASH, SPACE = "\N{MINUS SIGN}", "\N{EN DASH}", "\N{NO-BREAK SPACE}"
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -70,7 +69,7 @@ def physics(effect: Effect) -> str:
 
 def spoken(sentence: str) -> str:
     """A sentence of the answer with ids, links and percentages as people write them."""
-    for name in {*effect_library(), *general_library()}:
+    for name in effect_library():
         for written in (name, name.capitalize()):
             sentence = sentence.replace(written, written.replace("_", " "))
     return re.sub(r"(\d)%", rf"\1{SPACE}%", re.sub(r"\blink(\d)", r"link \1", sentence))

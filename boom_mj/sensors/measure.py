@@ -4,13 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from boom_mj.effects import AngleEffect, Effect, SignalEffect
+from boom_mj.effects import AngleEffect, Effect, OutputEffect
+from boom_mj.effects.base import INVERSIONS
 from boom_mj.machine import Machine, cylinder_lengths
-from boom_mj.recording import Recording, Signal, named_signal
+from boom_mj.recording import Recording, Signal, named_signal, sample
 from boom_mj.simulation import Experiment, Trajectory
 
 Array = np.ndarray
-INVERSIONS = 8  # of an angle sensor's error, a hundredth of it or less from one to the next
 RESOLUTION = 10.0  # steps of a sensor's converter within one standard deviation of its noise
 
 
@@ -33,20 +33,30 @@ def ideal_signals(trajectory: Trajectory) -> dict[str, Signal]:
 def apply_sensor_effects(effects: Sequence[Effect], signals: dict[str, Signal], machine: Machine) -> dict[str, Signal]:
     """What sensors with effects make of ideal signals."""
     for effect in effects:
-        if isinstance(effect, SignalEffect):
-            signals = {**signals, **effect.alter(signals, machine)}
+        if isinstance(effect, OutputEffect):
+            signals = {**signals, **effect.observe(signals, machine)}
         if isinstance(effect, AngleEffect):
             joints = signals["joint/position"]
-            read = joints.values + effect.error(joints.values)
+            read = joints.values + angle_errors([effect], joints.values)
             signals = {**signals, "joint/position": named_signal("joint/position", joints.time, read)}
     return signals
+
+
+def angle_errors(effects: Sequence[Effect], angles: Array) -> Array:
+    """Readings less true angles (n, 5), rad: errors of one joint add up."""
+    errors = np.zeros_like(angles)
+    for effect in effects:
+        if isinstance(effect, AngleEffect):
+            joint = int(effect.location["joint"]) - 1
+            errors[:, joint] += effect.error(angles[:, joint])
+    return errors
 
 
 def true_angles(effects: Sequence[Effect], reading: Array) -> Array:
     """Joint angles behind a reading, (n, 5), rad: the fixed point of reading less error, which is small and smooth."""
     errors, angles = [e for e in effects if isinstance(e, AngleEffect)], reading
     for _ in range(INVERSIONS if errors else 0):
-        angles = reading - sum((e.error(angles) for e in errors), np.zeros_like(reading))
+        angles = reading - angle_errors(errors, angles)
     return angles
 
 
@@ -107,8 +117,3 @@ def _digital(values: Array, noise: Array) -> Array:
     """Values in steps of a power of two well below the noise, as a converter gives them; such logs pack better."""
     step = 2.0 ** np.floor(np.log2(np.where(noise > 0, noise, 1e-12) / RESOLUTION))
     return step * np.round(values / step)
-
-
-def sample(signal: Signal, time: Array) -> Array:
-    """Values at the given times, (m, k), linear between samples and held beyond them."""
-    return np.stack([np.interp(time, signal.time, column) for column in signal.values.T], axis=1)

@@ -8,10 +8,11 @@ import mujoco
 import numpy as np
 from scipy.linalg import eigh
 
-from boom_mj.effects import Effect, LoadEffect, ModelEffect, effects_of
+from boom_mj.effects import Effect, ForceEffect, ModelEffect, Motion, effects_of
 from boom_mj.errors import EffectError, EquilibriumError, numbers_of
 from boom_mj.machine import Machine
 from boom_mj.mjcf import BoomModel, build
+from boom_mj.recording.names import JOINTS as JOINT_NAMES
 
 Array = np.ndarray
 JOINTS = 5
@@ -181,9 +182,10 @@ def relaxed(model: mujoco.MjModel, tendon_length: Array) -> Array:
     return rest
 
 
-def add_pushes(spec: mujoco.MjSpec, machine: Machine, effect: LoadEffect) -> None:
+def add_pushes(spec: mujoco.MjSpec, machine: Machine, effect: ForceEffect) -> None:
     """Actuators `push_SITE_x`.. for the sites that an effect pushes on."""
-    for site in effect.push(machine, np.zeros(1), np.zeros((1, JOINTS))):
+    at_rest = Motion(np.zeros(1), dict.fromkeys(JOINT_NAMES, np.zeros(1)), machine=machine)
+    for site in effect.force(at_rest):
         for k, axis in enumerate("xyz"):
             if spec.actuator(f"push_{site}_{axis}") is None:
                 kind = mujoco.mjtTrn.mjTRN_SITE
@@ -214,6 +216,6 @@ def with_effects(boom: BoomModel, effects: Sequence[Effect]) -> Plant:
             except ValueError as error:  # MuJoCo: a name is there already
                 others = ", ".join(str(other) for other in effects if other is not effect)
                 raise EffectError(f"{effect} cannot stand beside {others}: {error}") from error
-        if isinstance(effect, LoadEffect):
+        if isinstance(effect, ForceEffect):
             add_pushes(boom.spec, boom.machine, effect)
     return Plant(boom, boom.compile(), tuple(effects))

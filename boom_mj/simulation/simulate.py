@@ -13,9 +13,10 @@ import mujoco
 import numpy as np
 from mujoco.batch import Batch
 
-from boom_mj.effects import LoadEffect
+from boom_mj.effects import ForceEffect, Motion
 from boom_mj.errors import InputError
 from boom_mj.machine import cylinder_forces
+from boom_mj.recording.names import JOINTS as JOINT_NAMES
 from boom_mj.simulation.diverged import diverged
 from boom_mj.simulation.experiments import LONGEST, Experiment
 from boom_mj.simulation.plant import JOINTS, Plant
@@ -161,9 +162,10 @@ def run(plant: Plant, angles: Array, tip_force: Array) -> Trajectory:
 def _pushes(plant: Plant, time: Array, joints: Array) -> dict[str, Array]:
     """Forces of all the plant's effects, by site, (n, 3), N."""
     total: dict[str, Array] = {}
+    motion = Motion(time, dict(zip(JOINT_NAMES, joints.T)), machine=plant.machine)
     for effect in plant.effects:
-        if isinstance(effect, LoadEffect):
-            for site, force in effect.push(plant.machine, time, joints).items():
+        if isinstance(effect, ForceEffect):
+            for site, force in effect.force(motion).items():
                 total[site] = total.get(site, 0.0) + force
     return total
 

@@ -1,21 +1,18 @@
-"""What the diagnosis needs to know of a machine: what it says under a hypothesis, and what could differ in it.
+"""What the rooms above know of a machine: seven members, and four more that some machines have.
 
-The method - campaign, metric, screening, contest, judgement, answer - sees a machine through `System` alone. A boom is
-one (`boom.py`), an MJCF file with a channel map is another (`mjcf/`).
+A boom is a system (`boom/`), an MJCF file with a channel map is another (`mjcf/`).
 """
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from dataclasses import dataclass, field, replace
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
-from boom_mj.effects import Effect
+from boom_mj.effects import Effect, Site
+from boom_mj.estimation.dataset import Dataset
 from boom_mj.recording import Recording, Signal
-
-if TYPE_CHECKING:
-    from boom_mj.diagnosis.linearisation import Metric
+from boom_mj.systems.fidelity import FidelityLadder, Level
 
 Array = np.ndarray
 Hypothesis = tuple[Effect, ...]
@@ -23,68 +20,144 @@ Band = tuple[str, float]  # name, upper edge in Hz
 
 
 @dataclass(frozen=True)
+class Wording:
+    """How people speak of a kind of machine.
+
+    Attributes:
+        phases: words of `Timeline.phases`, in their order.
+        first_part: what trains of a recording that does so in part.
+        finer: what a finer model has.
+        zero_offset: id of the nuisance that is a sensor's zero offset.
+        frames: which way directions point.
+    """
+
+    phases: tuple[str, ...]
+    first_part: str
+    finer: str
+    zero_offset: str
+    frames: str = ""
+
+
+@dataclass(frozen=True)
+class SystemFacts:
+    """What is known of a machine as plain data.
+
+    Attributes:
+        kind: of machine: "boom" or "mjcf"; criteria and pictures go by it.
+        name: of the machine.
+        block_s: over which channels are averaged.
+        correlation_s: beyond which residuals count as independent.
+        bands_hz: frequency bands in which a gap is told, lowest first.
+        fidelity: levels of simulation.
+        noise: least noise of a sample by signal, one per channel, (k,); the signals named are those compared.
+        still: speed below which a coordinate of the timeline is at rest, in its unit.
+        max_causes: most effects that an explanation may have, unless asked otherwise.
+        wording: for people.
+        split: which entries of a recording train where it does so in part; see `Dataset.first`.
+        repeat_s: period of a motion that the recordings repeat, if they do.
+        oscillatory: whether it vibrates so long that fits of its recordings have minima of their own.
+        line_signal: in which periodic effects show as spectral lines, if there is one.
+        provenance: what else the answer should say of how the machine was simulated.
+    """
+
+    kind: str
+    name: str
+    block_s: float
+    correlation_s: float
+    bands_hz: tuple[Band, ...]
+    fidelity: FidelityLadder
+    noise: Mapping[str, Array]
+    still: float
+    max_causes: int
+    wording: Wording
+    split: Callable[[Array, Array], Array]
+    repeat_s: float | None = None
+    oscillatory: bool = False
+    line_signal: str | None = None
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
 class Nuisance:
     """A nuisance: the hypothesis whose effect is its column, and its prior deviation in units of that hypothesis.
 
     Attributes:
-        still: whether its column hardly depends on how the machine swings.
+        slow: whether its column hardly depends on how the machine swings.
     """
 
     hypothesis: Hypothesis
     deviation: float
-    still: bool = False
+    slow: bool = False
 
-    def beside(self, effects: Hypothesis) -> "Nuisance":
+    def conditional_on(self, effects: Hypothesis) -> "Nuisance":
         """What is left of it in a machine that has effects: the size of an effect is all there is of its cause."""
         causes = {effect.cause for effect in effects}
         return replace(self, hypothesis=tuple(e for e in self.hypothesis if e.cause not in causes))
 
 
-class Level(NamedTuple):
-    """How finely a machine is simulated.
+@dataclass(frozen=True)
+class Timeline:
+    """What happens in a recording.
 
     Attributes:
-        step: of integration, in steps of the model.
-        hinges: per elastic coordinate, where that is a choice.
+        start_s, duration_s: of what is simulated.
+        coordinates: measured ones at times (n,) from the start, (n, q).
+        phases: what happens in every block, (n,) of words.
     """
 
-    step: float
-    hinges: int = 1
+    start_s: float
+    duration_s: float
+    coordinates: Callable[[Array], Array]
+    phases: Callable[[], Array]
 
 
 @dataclass(frozen=True)
-class Refinement:
-    """A finer level in one respect: what it says otherwise than the middle one tells how wrong that one is.
+class ChannelPlace:
+    """Where a channel belongs.
 
     Attributes:
-        missing: what must be added to the middle level, in terms of that difference.
-        doubtful: in the same terms, that of which a share may be wrong.
+        group: of channels that are told together, such as "markers/link4/z".
+        sensor, part, direction: of the group; the direction is "" where there is but one.
+        label: of the group, for people.
+        place: the sensor at its part, for people.
     """
 
-    level: Level
-    missing: float
-    doubtful: float
+    group: str
+    sensor: str
+    part: str
+    direction: str
+    label: str
+    place: str
 
 
-@dataclass(frozen=True)
-class FidelityLadder:
-    """Levels at which a machine is simulated.
+class System(Protocol):
+    """A machine: all that the rooms above know of one."""
 
-    Attributes:
-        rough: of screening, and of where fits start.
-        coarse: of nuisances and the contest.
-        middle: of the base of all predictions.
-        checks: what they find missing adds up.
-        shown: of twins.
-        alike: share of what is doubtful that may be wrong alike all along a channel.
-    """
+    @property
+    def facts(self) -> SystemFacts:
+        """What is known of it as plain data."""
 
-    rough: Level
-    coarse: Level
-    middle: Level
-    checks: tuple[Refinement, ...]
-    shown: Level
-    alike: float = 0.0
+    def sites(self) -> tuple[Site, ...]:
+        """Where effects may be."""
+
+    def nuisances(self) -> tuple[Nuisance, ...]:
+        """What differs between healthy machines, all of it small."""
+
+    def timeline(self, log: Recording) -> Timeline:
+        """What happens in a recording."""
+
+    def simulate(self, hypothesis: Hypothesis, level: Level, log: Recording) -> dict[str, Signal]:
+        """Densely sampled signals without output effects, by name, times from 0; called by several threads at a time.
+
+        Raises:
+            BoomError: the hypothesis has no simulation.
+        """
+
+    def observe(self, hypothesis: Hypothesis, dense: Mapping[str, Signal]) -> dict[str, Signal]:
+        """Dense signals as sensors with output effects give them; untouched ones are the same objects."""
+
+    def channel(self, signal: str, column: int) -> ChannelPlace:
+        """Where a channel belongs."""
 
 
 @dataclass(frozen=True)
@@ -105,146 +178,39 @@ class ResidualForce:
     ratio: float
 
 
-@dataclass(frozen=True)
-class Words:
-    """How people speak of a kind of machine.
+@runtime_checkable
+class ResidualForces(Protocol):
+    """A system whose channels tell where it is."""
 
-    Attributes:
-        phases: words of `System.phases`, in their order.
-        learnt: what `System.learns` learns.
-        finer: what a finer model has.
-        zero: id of the tolerance that is a sensor's zero offset.
-        frames: which way directions point.
-    """
-
-    phases: tuple[str, ...]
-    learnt: str
-    finer: str
-    zero: str
-    frames: str = ""
+    def forces(self, data: Dataset, white: Array, weight: Array) -> tuple[ResidualForce, ...]:
+        """Forces that a whitened residual (N,) asks for, largest ratio first; weight is that of its entries, (N,)."""
 
 
-class System(ABC):
-    """A machine to be diagnosed.
+@runtime_checkable
+class Designs(Protocol):
+    """A system that knows which experiments there are."""
 
-    Attributes:
-        block: over which channels are averaged, s.
-        window: beyond which residuals count as independent, s.
-        bands: frequency bands in which a gap is told, lowest first.
-        still: speed below which a coordinate of `motion` is at rest, in its unit.
-        causes: most effects that an explanation may have.
-        slack: share of the gap that an explanation may leave besides noise.
-        worth: share of the remaining gap that another effect must close.
-        spill: share of the mean square that effects took away, which their own inaccuracy may leave.
-        hides: gap above which an explanation that suffices may hide another cause.
-        words: for people.
-        repeat: period of a motion that the recordings repeat, s, if they do.
-        swings: whether it vibrates so long that fits of its recordings have minima of their own.
-        listening: signal in which periodic effects show as spectral lines, if there is one.
-    """
-
-    block: float
-    window: float
-    bands: tuple[Band, ...]
-    still: float
-    fidelity: FidelityLadder
-    causes: int
-    slack: float
-    worth: float
-    spill: float
-    words: Words
-    hides: float = np.inf
-    repeat: float | None = None
-    swings: ClassVar[bool] = False
-    listening: ClassVar[str | None] = None
-
-    @property
-    @abstractmethod
-    def name(self) -> str:
-        """Of the machine."""
-
-    @property
-    @abstractmethod
-    def provenance(self) -> Mapping[str, Any]:
-        """What else the answer should say of how the machine was simulated."""
-
-    @abstractmethod
-    def library(self) -> list[tuple[type[Effect], dict]]:
-        """Every effect at every place that could be a cause."""
-
-    @abstractmethod
-    def tolerances(self) -> tuple[Nuisance, ...]:
-        """What differs between healthy machines, all of it small."""
-
-    @abstractmethod
-    def noise(self) -> Mapping[str, Array]:
-        """Least noise of a sample by signal, one per channel, (k,); the signals named are those compared."""
-
-    @abstractmethod
-    def clock(self, log: Recording) -> tuple[float, float]:
-        """When a recording begins and how long it lasts, s."""
-
-    @abstractmethod
-    def split(self, hypothesis: Hypothesis) -> tuple[Hypothesis, Hypothesis]:
-        """Effects that must be simulated, and those that alter simulated signals afterwards."""
-
-    @abstractmethod
-    def simulate(self, hypothesis: Hypothesis, level: Level, index: int, log: Recording) -> dict[str, Signal]:
-        """Densely sampled ideal signals, by name, times from 0; called by several threads at a time.
-
-        Args:
-            level: of fidelity.
-            index: of the recording, for caches.
-
-        Raises:
-            BoomError: the hypothesis has no simulation.
-        """
-
-    @abstractmethod
-    def altered(self, effects: Hypothesis, signals: Mapping[str, Signal]) -> dict[str, Signal]:
-        """Dense signals as sensors with effects give them; untouched ones are the same objects."""
-
-    @abstractmethod
-    def group(self, signal: str, values: Signal, column: int) -> str:
-        """Name of the channel group of a column."""
-
-    @abstractmethod
-    def place(self, group: str) -> tuple[str, str, str]:
-        """Sensor, link and direction of a channel group; the direction is "" where there is but one."""
-
-    @abstractmethod
-    def place_name(self, sensor: str, link: str) -> str:
-        """A sensor at its place, for people."""
-
-    @abstractmethod
-    def group_name(self, group: str) -> str:
-        """A channel group, for people."""
-
-    @abstractmethod
-    def motion(self, log: Recording, time: Array) -> Array:
-        """Measured coordinates at times from the recording's start, (n, k)."""
-
-    @abstractmethod
-    def phases(self, log: Recording) -> Array:
-        """What happens in every block of a recording, (n,) of words."""
-
-    @abstractmethod
-    def next_experiment(self, explanations: Sequence[Hypothesis], done: Sequence[str]) -> str | None:
+    def next_experiment(self, rivals: Sequence[Hypothesis], done: Sequence[str]) -> str | None:
         """What would separate explanations that tie; None where nothing is known."""
 
-    @abstractmethod
-    def pushes(self, metric: "Metric", residual: Array) -> tuple[ResidualForce, ...]:
-        """Residual forces that a whitened residual (N,) asks for, largest ratio first; none where nothing is known."""
 
-    @abstractmethod
-    def learns(self, time: Array, lasts: Array) -> Array:
-        """What to learn from in a recording that is not learnt from as a whole, (n,) of bool.
+@runtime_checkable
+class Corrects(Protocol):
+    """A system whose file can hold effects."""
 
-        Args:
-            time: from the recording's start, (n,), s.
-            lasts: the recording, (n,), s.
-        """
+    def corrected(self, hypothesis: Hypothesis) -> str:
+        """The text of its file with effects in it."""
 
-    @abstractmethod
-    def shortcut(self, probe: Effect) -> Callable[["Metric"], Array] | None:
-        """What makes the whitened column (N,) of a probe that needs no simulation of its own; None where it does."""
+
+@runtime_checkable
+class LinearResponse(Protocol):
+    """A system that knows what some effects do without simulating them."""
+
+    def column(self, effect: Effect, data: Dataset, nuisances: Array) -> Array | None:
+        """What an effect changes, (N,), from what nuisances change per prior deviation, (N, m); None if unknown."""
+
+
+def separating_experiments(rivals: Sequence[Hypothesis]) -> str | None:
+    """What the library says would tell rivals apart."""
+    said = {e.separating_experiment for rival in rivals for e in rival if e.separating_experiment}
+    return " and ".join(sorted(said)) or None

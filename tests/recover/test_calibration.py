@@ -52,7 +52,7 @@ def truth(number: int) -> np.ndarray:
 @cache
 def recordings(number: int = 0) -> tuple[Recording, ...]:
     setting = SPACE.at(truth(number))
-    plant = make_plant(setting.machine, 6, [setting.sensor])
+    plant = make_plant(setting.machine, 6, setting.sensor)
     return tuple(
         record(run_experiment(plant, e), e, np.random.default_rng(2 * number + k)) for k, e in enumerate(VERTICAL)
     )

@@ -3,7 +3,9 @@
 import mujoco
 import numpy as np
 
-from boom_mj.effects.effect import Location, ModelEffect, Parameter
+from boom_mj.effects.base import ModelEffect
+from boom_mj.effects.parameter import Parameter
+from boom_mj.effects.site import Site
 from boom_mj.machine import Machine
 
 
@@ -11,17 +13,18 @@ class BaseCompliance(ModelEffect):
     """The whole machine rolls (about x) or pitches (about y) on springs at the origin, seen from the ground."""
 
     id = "base_compliance"
-    places = {"axes": ("roll", "pitch", "roll+pitch")}
-    parameters = {
+    at = ("axes",)
+    needs = frozenset({"boom"})
+    table = {
         "roll": Parameter("N m/rad", np.inf, 1e6, np.inf, 3e8, inverse=True),
         "pitch": Parameter("N m/rad", np.inf, 1e6, np.inf, 3e8, inverse=True),
     }
-    confused_with = ("hydraulic_compliance joint 2", "slew_compliance", "link_stiffness link2")
-    told_by = "slew_tour"
+    confused_with = ("hydraulic_compliance", "slew_compliance", "link_stiffness", "camera_pose")
+    separating_experiment = "slew_tour"
 
     @classmethod
-    def knobs(cls, location: Location) -> tuple[str, ...]:
-        return tuple(str(location["axes"]).split("+"))
+    def free(cls, site: Site) -> tuple[str, ...]:
+        return tuple(str(site.location["axes"]).split("+"))
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         for name, axis in (("roll", [1, 0, 0]), ("pitch", [0, 1, 0])):

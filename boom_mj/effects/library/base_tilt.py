@@ -3,7 +3,8 @@
 import mujoco
 from scipy.spatial.transform import Rotation
 
-from boom_mj.effects.effect import ModelEffect, Parameter
+from boom_mj.effects.base import ModelEffect
+from boom_mj.effects.parameter import Parameter
 from boom_mj.machine import Machine
 
 
@@ -11,12 +12,13 @@ class BaseTilt(ModelEffect):
     """Gravity and load tilt against the machine, rolled about x, then pitched about y; markers stay with it."""
 
     id = "base_tilt"
-    parameters = {
+    needs = frozenset({"boom"})
+    table = {
         "roll": Parameter("rad", 0.0, -0.3, 0.3, 0.005),
         "pitch": Parameter("rad", 0.0, -0.3, 0.3, 0.005),
     }
-    confused_with = ("imu_misalignment", "joint zero offsets")
-    told_by = "slew_tour"
+    confused_with = ("imu_misalignment", "joint_zero_offset", "imu_bias", "wind")
+    separating_experiment = "slew_tour"
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         if not any(self.values.values()):

@@ -5,23 +5,25 @@ from dataclasses import replace
 
 from scipy.spatial.transform import Rotation
 
-from boom_mj.effects.effect import Parameter, SignalEffect
+from boom_mj.effects.base import OutputEffect
+from boom_mj.effects.parameter import Parameter
 from boom_mj.machine import Machine
 from boom_mj.recording import Signal
 
 
-class CameraPose(SignalEffect):
+class CameraPose(OutputEffect):
     """All markers move together: turned about the origin by a rotation vector, then shifted."""
 
     id = "camera_pose"
-    parameters = {
+    needs = frozenset({"boom"})
+    table = {
         **{f"rotation_{axis}": Parameter("rad", 0.0, -0.5, 0.5, 0.003) for axis in "xyz"},
         **{f"translation_{axis}": Parameter("m", 0.0, -5.0, 5.0, 0.03) for axis in "xyz"},
     }
-    confused_with = ("joint zero offsets", "base_compliance", "joint_sensor_nonlinearity")
-    told_by = "slew_tour"
+    confused_with = ("joint_zero_offset", "base_compliance", "joint_sensor_nonlinearity", "marker_slip")
+    separating_experiment = "slew_tour"
 
-    def alter(self, signals: Mapping[str, Signal], machine: Machine) -> Mapping[str, Signal]:
+    def observe(self, signals: Mapping[str, Signal], machine: Machine) -> Mapping[str, Signal]:
         if not any(self.values.values()):
             return {}
         turn = Rotation.from_rotvec([self.values[f"rotation_{axis}"] for axis in "xyz"])

@@ -5,24 +5,26 @@ from dataclasses import replace
 
 import numpy as np
 
-from boom_mj.effects.effect import Parameter, SignalEffect
+from boom_mj.effects.base import OutputEffect
+from boom_mj.effects.parameter import Parameter
 from boom_mj.machine import Machine
 from boom_mj.recording import Signal
 
 STREAMS = {"imu": "imu/", "marker": "markers", "cylinder": "cylinder/"}
 
 
-class ClockOffset(SignalEffect):
+class ClockOffset(OutputEffect):
     """What a stream stamps with t was so at t - delay."""
 
     id = "clock_offset"
-    places = {"stream": tuple(STREAMS)}
-    parameters = {"delay": Parameter("s", 0.0, -2.0, 2.0, 0.05)}
-    confused_with = ("joint angle delay",)
-    told_by = "chirp_joint2"
+    at = ("stream",)
+    needs = frozenset({"boom"})
+    table = {"delay": Parameter("s", 0.0, -2.0, 2.0, 0.05)}
+    confused_with = ("joint_play",)
+    separating_experiment = "chirp_joint2"
     sizes = (-3.0, -1.0, -0.3, 0.3, 1.0, 3.0)
 
-    def alter(self, signals: Mapping[str, Signal], machine: Machine) -> Mapping[str, Signal]:
+    def observe(self, signals: Mapping[str, Signal], machine: Machine) -> Mapping[str, Signal]:
         if self.values["delay"] == 0:
             return {}
         stream = STREAMS[str(self.location["stream"])]

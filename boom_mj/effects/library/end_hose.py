@@ -2,7 +2,8 @@
 
 import mujoco
 
-from boom_mj.effects.effect import ModelEffect, Parameter
+from boom_mj.effects.base import ModelEffect
+from boom_mj.effects.parameter import Parameter
 from boom_mj.machine import Machine
 
 DAMPING = 0.02  # of the critical
@@ -12,9 +13,10 @@ class EndHose(ModelEffect):
     """A pendulum on the tip: a mass that hangs at `end_hose.length` and swings both ways."""
 
     id = "end_hose"
-    parameters = {"mass": Parameter("kg", 0.0, 0.0, 500.0, 40.0)}
+    needs = frozenset({"boom"})
+    table = {"mass": Parameter("kg", 0.0, 0.0, 500.0, 40.0)}
     confused_with = ("tip_payload", "pump_pulsation")
-    told_by = "slew_t"
+    separating_experiment = "slew_t"
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         mass, length = self.values["mass"], machine.end_hose.length

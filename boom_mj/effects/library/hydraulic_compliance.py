@@ -3,8 +3,9 @@
 import mujoco
 import numpy as np
 
-from boom_mj.effects.effect import ModelEffect, Parameter
-from boom_mj.effects.structure import add_series_hinge
+from boom_mj.effects.base import ModelEffect
+from boom_mj.effects.parameter import Parameter
+from boom_mj.effects.spec_edits import add_series_hinge
 from boom_mj.machine import Machine
 
 
@@ -12,10 +13,11 @@ class HydraulicCompliance(ModelEffect):
     """A spring between the angle sensor (drive side) and the link that a cylinder moves."""
 
     id = "hydraulic_compliance"
-    places = {"joint": (2, 3)}
-    parameters = {"stiffness": Parameter("N m/rad", np.inf, 1e5, np.inf, 3e7, inverse=True)}
+    at = ("joint",)
+    needs = frozenset({"boom", "cylinder"})
+    table = {"stiffness": Parameter("N m/rad", np.inf, 1e5, np.inf, 3e7, inverse=True)}
     confused_with = ("link_stiffness", "base_compliance")
-    told_by = "chirp_joint2"
+    separating_experiment = "chirp_joint2"
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         joint = int(self.location["joint"])

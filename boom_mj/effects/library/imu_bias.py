@@ -3,26 +3,28 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
-from boom_mj.effects.effect import Parameter, SignalEffect
+from boom_mj.effects.base import OutputEffect
+from boom_mj.effects.parameter import Parameter
 from boom_mj.machine import Machine
 from boom_mj.recording import Signal
 
 KINDS = {"accelerometer": "specific_force", "gyroscope": "angular_rate"}
 
 
-class ImuBias(SignalEffect):
+class ImuBias(OutputEffect):
     """Constants on the axes of an accelerometer and of a gyroscope."""
 
     id = "imu_bias"
-    places = {"link": (2, 3, 4, 5)}
-    parameters = {
+    at = ("link",)
+    needs = frozenset({"boom"})
+    table = {
         **{f"accelerometer_{axis}": Parameter("m/s^2", 0.0, -5.0, 5.0, 0.05) for axis in "xyz"},
         **{f"gyroscope_{axis}": Parameter("rad/s", 0.0, -0.5, 0.5, 0.003) for axis in "xyz"},
     }
     confused_with = ("imu_misalignment", "base_tilt")
-    told_by = "slew_tour"
+    separating_experiment = "slew_tour"
 
-    def alter(self, signals: Mapping[str, Signal], machine: Machine) -> Mapping[str, Signal]:
+    def observe(self, signals: Mapping[str, Signal], machine: Machine) -> Mapping[str, Signal]:
         changed = {}
         for sensor, kind in KINDS.items():
             name, bias = f"imu/link{self.location['link']}/{kind}", [self.values[f"{sensor}_{axis}"] for axis in "xyz"]

@@ -5,21 +5,23 @@ from dataclasses import replace
 
 from scipy.spatial.transform import Rotation
 
-from boom_mj.effects.effect import Parameter, SignalEffect
+from boom_mj.effects.base import OutputEffect
+from boom_mj.effects.parameter import Parameter
 from boom_mj.machine import Machine
 from boom_mj.recording import Signal
 
 
-class ImuMisalignment(SignalEffect):
+class ImuMisalignment(OutputEffect):
     """The IMU's frame is the link's, turned by a rotation vector r: it reads R(r)^T times what is true there."""
 
     id = "imu_misalignment"
-    places = {"link": (2, 3, 4, 5)}
-    parameters = {f"rotation_{axis}": Parameter("rad", 0.0, -0.5, 0.5, 0.01) for axis in "xyz"}
-    confused_with = ("base_tilt", "imu_bias", "link_stiffness torsion")
-    told_by = "slew_tour"
+    at = ("link",)
+    needs = frozenset({"boom"})
+    table = {f"rotation_{axis}": Parameter("rad", 0.0, -0.5, 0.5, 0.01) for axis in "xyz"}
+    confused_with = ("base_tilt", "imu_bias", "thermal_bending")
+    separating_experiment = "slew_tour"
 
-    def alter(self, signals: Mapping[str, Signal], machine: Machine) -> Mapping[str, Signal]:
+    def observe(self, signals: Mapping[str, Signal], machine: Machine) -> Mapping[str, Signal]:
         if not any(self.values.values()):
             return {}
         turn = Rotation.from_rotvec([self.values[f"rotation_{axis}"] for axis in "xyz"]).inv()

@@ -4,23 +4,25 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from boom_mj.effects.effect import Parameter, SignalEffect
+from boom_mj.effects.base import OutputEffect
+from boom_mj.effects.parameter import Parameter
 from boom_mj.machine import Machine, cylinder_lengths
 from boom_mj.recording import Signal, named_signal
 
 CREEP = 2e-4  # m/s, the rate over which friction changes sign
 
 
-class JointFriction(SignalEffect):
+class JointFriction(OutputEffect):
     """Coulomb friction between piston and pressure sensor: the motion does not change, the force has a hysteresis."""
 
     id = "joint_friction"
-    places = {"joint": (2, 3)}
-    parameters = {"cylinder_force": Parameter("N", 0.0, 0.0, 1e5, 5e3)}
-    confused_with = ("pressure_scale", "structural_hysteresis")
-    told_by = "sweep"
+    at = ("joint",)
+    needs = frozenset({"boom", "cylinder"})
+    table = {"cylinder_force": Parameter("N", 0.0, 0.0, 1e5, 5e3)}
+    confused_with = ("pressure_scale", "structural_hysteresis", "viscous_friction")
+    separating_experiment = "sweep"
 
-    def alter(self, signals: Mapping[str, Signal], machine: Machine) -> Mapping[str, Signal]:
+    def observe(self, signals: Mapping[str, Signal], machine: Machine) -> Mapping[str, Signal]:
         if self.values["cylinder_force"] == 0:
             return {}
         column = int(self.location["joint"]) - 2

@@ -2,8 +2,9 @@
 
 import mujoco
 
-from boom_mj.effects.effect import ModelEffect, Parameter
-from boom_mj.effects.structure import add_series_hinge
+from boom_mj.effects.base import ModelEffect
+from boom_mj.effects.parameter import Parameter
+from boom_mj.effects.spec_edits import add_series_hinge
 from boom_mj.machine import Machine
 
 STOP = 5e7  # N m/rad, stiffness of the flanks
@@ -16,10 +17,11 @@ class JointPlay(ModelEffect):
     """Between the angle sensor (drive side) and the link lies a gap; weight keeps it at one flank until it reverses."""
 
     id = "joint_play"
-    places = {"joint": (3, 4, 5)}
-    parameters = {"half_gap": Parameter("rad", 0.0, 0.0, 0.05, 0.003)}
-    confused_with = ("joint zero offsets", "joint_sensor_nonlinearity")
-    told_by = "fold_in"
+    at = ("joint",)
+    needs = frozenset({"boom", "linkage"})
+    table = {"half_gap": Parameter("rad", 0.0, 0.0, 0.05, 0.003)}
+    confused_with = ("joint_zero_offset", "joint_sensor_nonlinearity", "clock_offset")
+    separating_experiment = "fold_in"
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         if self.values["half_gap"] == 0:

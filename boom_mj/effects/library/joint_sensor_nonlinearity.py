@@ -4,7 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from boom_mj.effects.effect import AngleEffect, Array, Location, Parameter, Values
+from boom_mj.effects.base import AngleEffect, Array, Values
+from boom_mj.effects.parameter import Parameter
+from boom_mj.effects.site import Site
 
 PERIODS = (1.0, 2.0, 3.0, 4.0)
 
@@ -13,32 +15,28 @@ class JointSensorNonlinearity(AngleEffect):
     """The sensor reads too much by a sin(n q + phi), repeatable over the angle q."""
 
     id = "joint_sensor_nonlinearity"
-    places = {"joint": (1, 2, 3, 4, 5)}
-    parameters = {
+    table = {
         "amplitude": Parameter("rad", 0.0, 0.0, 0.1, 0.005),
         "periods": Parameter("1/turn", 1.0, 0.2, 12.0, 0.2),
         "phase": Parameter("rad", 0.0, -20.0, 20.0, 0.3),
     }
-    confused_with = ("camera_pose", "joint zero offsets", "joint_play")
-    told_by = "slew_tour"
+    confused_with = ("camera_pose", "joint_zero_offset", "joint_play")
+    separating_experiment = "slew_tour"
 
-    def error(self, angles: Array) -> Array:
-        error, column = np.zeros_like(angles), int(self.location["joint"]) - 1
-        phase = self.values["periods"] * angles[:, column] + self.values["phase"]
-        error[:, column] = self.values["amplitude"] * np.sin(phase)
-        return error
+    def error(self, angle: Array) -> Array:
+        return self.values["amplitude"] * np.sin(self.values["periods"] * angle + self.values["phase"])
 
     @classmethod
-    def probes(cls, location: Location, lines: Sequence[float] = ()) -> list[list[dict[str, float]]]:
+    def screening(cls, site: Site, lines_hz: Sequence[float] = ()) -> list[list[dict[str, float]]]:
         """Sine and cosine at a few periods."""
         return [[{"amplitude": 0.005, "periods": n, "phase": p} for p in (0.0, np.pi / 2)] for n in PERIODS]
 
     @classmethod
-    def blend(cls, probes: Sequence[Values], weights: Array) -> dict[str, float]:
+    def combine(cls, site: Site, points: Sequence[Values], weights: Array) -> dict[str, float]:
         """Amplitude and phase of a period."""
         sine, cosine = 0.005 * np.asarray(weights)
         return {
             "amplitude": float(min(np.hypot(sine, cosine), 0.1)),
-            "periods": probes[0]["periods"],
+            "periods": points[0]["periods"],
             "phase": float(np.arctan2(cosine, sine)),
         }

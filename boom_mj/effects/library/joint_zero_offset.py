@@ -2,16 +2,18 @@
 
 import numpy as np
 
-from boom_mj.effects.effect import AngleEffect, Array, Parameter
+from boom_mj.effects.base import AngleEffect, Array
+from boom_mj.effects.parameter import Parameter
 
 
 class JointZeroOffset(AngleEffect):
-    """Every joint sensor reads too much by a constant; the diagnosis estimates it along with everything."""
+    """The sensor reads too much by a constant; the diagnosis estimates it along with everything."""
 
     id = "joint_zero_offset"
-    parameters = {f"joint{k}": Parameter("rad", 0.0, -0.2, 0.2, 0.005) for k in range(1, 6)}
-    confused_with = ("camera_pose", "joint_sensor_nonlinearity", "thermal_bending")
-    told_by = "slew_tour"
+    table = {"offset": Parameter("rad", 0.0, -0.2, 0.2, 0.005)}
+    confused_with = ("camera_pose", "joint_sensor_nonlinearity", "thermal_bending", "base_tilt", "joint_play", "wind")
+    separating_experiment = "slew_tour"
+    competes = False
 
-    def error(self, angles: Array) -> Array:
-        return np.broadcast_to([self.values[f"joint{k}"] for k in range(1, 6)], angles.shape)
+    def error(self, angle: Array) -> Array:
+        return np.full_like(angle, self.values["offset"])

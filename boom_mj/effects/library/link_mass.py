@@ -3,11 +3,11 @@
 import mujoco
 import numpy as np
 
-from boom_mj.effects.effect import ModelEffect, Parameter
-from boom_mj.effects.structure import stretches
+from boom_mj.effects.base import Array, ModelEffect
+from boom_mj.effects.parameter import Parameter
+from boom_mj.effects.spec_edits import stretches
 from boom_mj.machine import Machine
 
-Array = np.ndarray
 FLAT = 1e-6  # least extent of a body over its largest, squared
 
 
@@ -15,10 +15,11 @@ class LinkMass(ModelEffect):
     """The mass of a link that its drawing tells, times a factor; actuators at its joints keep theirs."""
 
     id = "link_mass"
-    places = {"link": (2, 3, 4, 5)}
-    parameters = {"factor": Parameter("1", 1.0, 0.2, 5.0, 0.1)}
+    at = ("link",)
+    needs = frozenset({"boom"})
+    table = {"factor": Parameter("1", 1.0, 0.2, 5.0, 0.1)}
     confused_with = ("tip_payload", "pipe_concrete", "pressure_scale")
-    told_by = "sweep"
+    separating_experiment = "sweep"
     sizes = (1.0, -1.0)
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:

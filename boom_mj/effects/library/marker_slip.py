@@ -5,26 +5,28 @@ from dataclasses import replace
 
 import numpy as np
 
-from boom_mj.effects.effect import Parameter, SignalEffect
+from boom_mj.effects.base import OutputEffect
+from boom_mj.effects.parameter import Parameter
 from boom_mj.machine import Machine
 from boom_mj.recording import Signal
 
 PER_LINK = 3
 
 
-class MarkerSlip(SignalEffect):
+class MarkerSlip(OutputEffect):
     """One marker is off by an offset along its link, up and to the right of it.
 
     The link's frame is taken from the simulated markers at its ends and from the plane of the boom.
     """
 
     id = "marker_slip"
-    places = {"marker": tuple(range(1, 13))}
-    parameters = {f"offset_{axis}": Parameter("m", 0.0, -1.0, 1.0, 0.02) for axis in "xyz"}
+    at = ("marker",)
+    needs = frozenset({"boom"})
+    table = {f"offset_{axis}": Parameter("m", 0.0, -1.0, 1.0, 0.02) for axis in "xyz"}
     confused_with = ("thermal_bending", "camera_pose")
-    told_by = "sweep"
+    separating_experiment = "sweep"
 
-    def alter(self, signals: Mapping[str, Signal], machine: Machine) -> Mapping[str, Signal]:
+    def observe(self, signals: Mapping[str, Signal], machine: Machine) -> Mapping[str, Signal]:
         if not any(self.values.values()):
             return {}
         markers, number = signals["markers"], int(self.location["marker"]) - 1

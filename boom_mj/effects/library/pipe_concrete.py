@@ -3,8 +3,9 @@
 import mujoco
 import numpy as np
 
-from boom_mj.effects.effect import ModelEffect, Parameter
-from boom_mj.effects.structure import stretches
+from boom_mj.effects.base import ModelEffect
+from boom_mj.effects.parameter import Parameter
+from boom_mj.effects.spec_edits import stretches
 from boom_mj.machine import Machine
 
 RADIUS = 0.03  # m, of gyration about the link
@@ -14,9 +15,10 @@ class PipeConcrete(ModelEffect):
     """A line mass along all links, a fraction of `delivery_pipe.mass_per_length_concrete`."""
 
     id = "pipe_concrete"
-    parameters = {"fill": Parameter("1", 0.0, 0.0, 1.5, 0.15)}
+    needs = frozenset({"boom"})
+    table = {"fill": Parameter("1", 0.0, 0.0, 1.5, 0.15)}
     confused_with = ("tip_payload", "link_mass")
-    told_by = "release_bow_vertical"
+    separating_experiment = "release_bow_vertical"
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         density = self.values["fill"] * machine.delivery_pipe.mass_per_length_concrete

@@ -5,21 +5,23 @@ from dataclasses import replace
 
 import numpy as np
 
-from boom_mj.effects.effect import Parameter, SignalEffect
+from boom_mj.effects.base import OutputEffect
+from boom_mj.effects.parameter import Parameter
 from boom_mj.machine import Machine
 from boom_mj.recording import Signal
 
 
-class PressureScale(SignalEffect):
+class PressureScale(OutputEffect):
     """The force of a cylinder reads too large by a factor."""
 
     id = "pressure_scale"
-    places = {"cylinder": (2, 3)}
-    parameters = {"factor": Parameter("1", 1.0, 0.2, 5.0, 0.03)}
-    confused_with = ("link_mass", "joint_friction")
-    told_by = "sweep"
+    at = ("cylinder",)
+    needs = frozenset({"boom"})
+    table = {"factor": Parameter("1", 1.0, 0.2, 5.0, 0.03)}
+    confused_with = ("link_mass", "joint_friction", "viscous_friction")
+    separating_experiment = "sweep"
 
-    def alter(self, signals: Mapping[str, Signal], machine: Machine) -> Mapping[str, Signal]:
+    def observe(self, signals: Mapping[str, Signal], machine: Machine) -> Mapping[str, Signal]:
         if self.values["factor"] == 1:
             return {}
         force, factor = signals["cylinder/force"], np.ones(2)

@@ -3,8 +3,9 @@
 import mujoco
 import numpy as np
 
-from boom_mj.effects.effect import ModelEffect, Parameter
+from boom_mj.effects.base import ModelEffect
 from boom_mj.effects.library.hydraulic_compliance import add_spring
+from boom_mj.effects.parameter import Parameter
 from boom_mj.machine import Machine
 
 
@@ -12,9 +13,10 @@ class SlewCompliance(ModelEffect):
     """A spring between the slewing sensor (drive side) and the turret."""
 
     id = "slew_compliance"
-    parameters = {"stiffness": Parameter("N m/rad", np.inf, 1e5, np.inf, 5e7, inverse=True)}
-    confused_with = ("base_compliance roll", "link_stiffness w", "slew_backlash")
-    told_by = "slew_t"
+    needs = frozenset({"boom"})
+    table = {"stiffness": Parameter("N m/rad", np.inf, 1e5, np.inf, 5e7, inverse=True)}
+    confused_with = ("slew_backlash", "base_compliance", "link_stiffness")
+    separating_experiment = "slew_t"
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         add_spring(spec, machine, 1, "joint1_spring", self.values["stiffness"])

@@ -2,8 +2,9 @@
 
 import mujoco
 
-from boom_mj.effects.effect import ModelEffect, Parameter
-from boom_mj.effects.structure import elastic_hinges
+from boom_mj.effects.base import ModelEffect
+from boom_mj.effects.parameter import Parameter
+from boom_mj.effects.spec_edits import elastic_hinges
 from boom_mj.machine import Machine
 
 
@@ -11,9 +12,10 @@ class StructuralDamping(ModelEffect):
     """Every elastic damping times a factor: the envelope of a decay stays exponential at any amplitude."""
 
     id = "structural_damping"
-    parameters = {"factor": Parameter("1", 1.0, 0.2, 10.0, 0.4)}
+    needs = frozenset({"boom"})
+    table = {"factor": Parameter("1", 1.0, 0.2, 10.0, 0.4)}
     confused_with = ("structural_hysteresis",)
-    told_by = "release_stretched_vertical_half"
+    separating_experiment = "release_stretched_vertical_half"
     sizes = (1.0, -1.0)
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:

@@ -4,8 +4,10 @@ from collections.abc import Sequence
 
 import mujoco
 
-from boom_mj.effects.effect import Array, Location, ModelEffect, Parameter, Values
-from boom_mj.effects.structure import link_hinges
+from boom_mj.effects.base import Array, ModelEffect, Values
+from boom_mj.effects.parameter import Parameter
+from boom_mj.effects.site import Site
+from boom_mj.effects.spec_edits import link_hinges
 from boom_mj.machine import Machine
 
 
@@ -17,13 +19,14 @@ class StructuralHysteresis(ModelEffect):
     """
 
     id = "structural_hysteresis"
-    places = {"joint": (2, 3, 4, 5)}
-    parameters = {
+    at = ("joint",)
+    needs = frozenset({"boom", "clamp"})
+    table = {
         "stiffness": Parameter("N m/rad", 0.0, 0.0, 1e9, 1e6),
         "slip_torque": Parameter("N m", 0.0, 0.0, 1e6, 2e3),
     }
     confused_with = ("structural_damping", "joint_friction")
-    told_by = "release_stretched_vertical_half"
+    separating_experiment = "release_stretched_vertical_half"
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         stiffness, slip = self.values["stiffness"], self.values["slip_torque"]
@@ -37,11 +40,11 @@ class StructuralHysteresis(ModelEffect):
         tendon.springyield = slip / stiffness
 
     @classmethod
-    def probes(cls, location: Location, lines: Sequence[float] = ()) -> list[list[dict[str, float]]]:
+    def screening(cls, site: Site, lines_hz: Sequence[float] = ()) -> list[list[dict[str, float]]]:
         """Both parameters act together or not at all: three slip torques."""
         return [[{"stiffness": k, "slip_torque": t}] for k, t in ((1e6, 5e2), (1e6, 2e3), (3e6, 6e3))]
 
     @classmethod
-    def blend(cls, probes: Sequence[Values], weights: Array) -> dict[str, float]:
+    def combine(cls, site: Site, points: Sequence[Values], weights: Array) -> dict[str, float]:
         """The probe itself: its effect does not grow with its parameters."""
-        return dict(probes[0])
+        return dict(points[0])

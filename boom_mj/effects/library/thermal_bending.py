@@ -4,8 +4,9 @@ from itertools import pairwise
 
 import mujoco
 
-from boom_mj.effects.effect import ModelEffect, Parameter
-from boom_mj.effects.structure import link_hinges
+from boom_mj.effects.base import ModelEffect
+from boom_mj.effects.parameter import Parameter
+from boom_mj.effects.spec_edits import link_hinges
 from boom_mj.machine import Machine
 
 
@@ -13,10 +14,11 @@ class ThermalBending(ModelEffect):
     """A constant curvature without stress: springs rest bent so that the tip lies off by the displacement."""
 
     id = "thermal_bending"
-    places = {"link": (2, 3, 4, 5), "axis": ("v", "w")}
-    parameters = {"displacement": Parameter("m", 0.0, -0.5, 0.5, 0.02)}
-    confused_with = ("wind", "joint zero offsets", "imu_misalignment")
-    told_by = "slew_tour"
+    at = ("link", "axis")
+    needs = frozenset({"boom", "bending"})
+    table = {"displacement": Parameter("m", 0.0, -0.5, 0.5, 0.02)}
+    confused_with = ("wind", "joint_zero_offset", "imu_misalignment", "marker_slip")
+    separating_experiment = "slew_tour"
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         if self.values["displacement"] == 0:

@@ -2,7 +2,8 @@
 
 import mujoco
 
-from boom_mj.effects.effect import ModelEffect, Parameter
+from boom_mj.effects.base import ModelEffect
+from boom_mj.effects.parameter import Parameter
 from boom_mj.machine import Machine
 
 
@@ -10,9 +11,10 @@ class TipPayload(ModelEffect):
     """A rigid mass at the tip: more sag, lower frequencies, cylinder forces in the ratio of their levers."""
 
     id = "tip_payload"
-    parameters = {"mass": Parameter("kg", 0.0, 0.0, 1000.0, 40.0)}
-    confused_with = ("pipe_concrete", "link_mass link5", "link_stiffness link5", "end_hose")
-    told_by = "release_bow_vertical"
+    needs = frozenset({"boom"})
+    table = {"mass": Parameter("kg", 0.0, 0.0, 1000.0, 40.0)}
+    confused_with = ("pipe_concrete", "link_mass", "link_stiffness", "end_hose")
+    separating_experiment = "release_bow_vertical"
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         if mass := self.values["mass"]:

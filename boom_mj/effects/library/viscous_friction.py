@@ -2,7 +2,8 @@
 
 import mujoco
 
-from boom_mj.effects.effect import ModelEffect, Parameter
+from boom_mj.effects.base import ModelEffect
+from boom_mj.effects.parameter import Parameter
 from boom_mj.machine import Machine
 
 
@@ -13,10 +14,11 @@ class ViscousFriction(ModelEffect):
     """
 
     id = "viscous_friction"
-    places = {"joint": (2, 3)}
-    parameters = {"factor": Parameter("1", 1.0, 0.0, 30.0, 2.0)}
+    at = ("joint",)
+    needs = frozenset({"boom", "cylinder"})
+    table = {"factor": Parameter("1", 1.0, 0.0, 30.0, 2.0)}
     confused_with = ("joint_friction", "pressure_scale")
-    told_by = "sweep"
+    separating_experiment = "sweep"
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         spec.joint(f"joint{self.location['joint']}").damping[0] *= self.values["factor"]

@@ -2,12 +2,15 @@
 
 from collections.abc import Mapping, Sequence
 from copy import copy
+from typing import ClassVar
 
 import numpy as np
 from scipy.signal import lfilter
 
-from boom_mj.effects.effect import COURSE_TIME, KNOT, Array, LoadEffect, Location, Parameter, Values
-from boom_mj.machine import Machine
+from boom_mj.effects.base import Array, ForceEffect, Motion, Values
+from boom_mj.effects.parameter import Parameter
+from boom_mj.effects.site import Site
+from boom_mj.estimation.latent_input import CORRELATION_S, KNOT_S
 
 DENSITY = 1.225  # kg/m^3
 DRAG = 1.3  # of a box section across the wind
@@ -15,7 +18,7 @@ SPEED = 5.0  # m/s, worth finding
 MOST = 0.5  # gust strength near the ground that a diagnosis believes
 
 
-class Wind(LoadEffect):
+class Wind(ForceEffect):
     """Drag of a horizontal wind on the sides of the links: 1/2 rho c_d h |v_n| v_n per length, v_n across the link.
 
     Its load is laid on the marker sites of each link. Gusts are a first-order process of relative strength
@@ -23,36 +26,37 @@ class Wind(LoadEffect):
     """
 
     id = "wind"
-    parameters = {
+    needs = frozenset({"boom"})
+    table = {
         "mean_speed": Parameter("m/s", 0.0, 0.0, 40.0, SPEED),
         "direction": Parameter("rad", 0.0, -10.0, 10.0, 0.3),
         "gust_strength": Parameter("1", 0.0, 0.0, 1.0, 0.2),
     }
-    confused_with = ("thermal_bending w", "base_tilt", "joint zero offsets")
-    told_by = "slew_tour"
-    gust: float | None = None  # s, when a single one peaks; None for all that the seed draws
+    confused_with = ("thermal_bending", "base_tilt", "joint_zero_offset", "pump_pulsation")
+    separating_experiment = "slew_tour"
+    gust_s: ClassVar[float | None] = None  # when a single one peaks; None for all that the seed draws
 
     @property
     def key(self) -> tuple[object, ...]:
-        return *super().key, self.gust
+        return *super().key, self.gust_s
 
-    def pulse(self, time: float) -> "Wind":
+    def basis(self, time_s: float) -> "Wind":
         """With one gust, which adds the pressure of SPEED."""
         single = copy(self)
-        single.gust = time
+        object.__setattr__(single, "gust_s", time_s)
         return single
 
-    def course(self, strength: float) -> dict[str, float]:
+    def with_latent(self, strength: float) -> dict[str, float]:
         """Pressure goes with the square of the speed, and gusts add to its mean."""
-        gusts = MOST * min(strength / max(self.strongest, 1e-9), 1)
+        gusts = MOST * min(strength / max(self.latent_limit, 1e-9), 1)
         return {"mean_speed": self.values["mean_speed"] / float(np.hypot(1, gusts)), "gust_strength": gusts}
 
     @property
-    def strongest(self) -> float:
+    def latent_limit(self) -> float:
         return MOST * 2 * (self.values["mean_speed"] / SPEED) ** 2
 
-    def push(self, machine: Machine, time: Array, joints: Array) -> Mapping[str, Array]:
-        square = self._square(time)
+    def force(self, motion: Motion) -> Mapping[str, Array]:
+        machine, joints, square = motion.boom, motion.joints, self._square(motion.time)
         blow = np.array([np.cos(self.values["direction"]), np.sin(self.values["direction"]), 0.0])
         forces, places = {}, np.array(machine.sensors.markers_x)
         for k, link in enumerate(machine.links):
@@ -69,29 +73,29 @@ class Wind(LoadEffect):
 
     def _square(self, time: Array) -> Array:
         """Of the speed over time, (n,), m^2/s^2."""
-        if self.gust is not None:
-            return self.values["mean_speed"] ** 2 + SPEED**2 * np.maximum(1 - np.abs(time - self.gust) / KNOT, 0)
+        if self.gust_s is not None:
+            return self.values["mean_speed"] ** 2 + SPEED**2 * np.maximum(1 - np.abs(time - self.gust_s) / KNOT_S, 0)
         return (self.values["mean_speed"] * self._gusts(time)) ** 2
 
     def _gusts(self, time: Array) -> Array:
         if self.values["gust_strength"] == 0 or len(time) < 2:
             return np.ones_like(time)
         step = time[1] - time[0]
-        decay = np.exp(-step / COURSE_TIME)
+        decay = np.exp(-step / CORRELATION_S)
         shocks = np.random.default_rng(len(time)).normal(size=len(time)) * np.sqrt(1 - decay**2)
         return np.maximum(1 + self.values["gust_strength"] * lfilter([1], [1, -decay], shocks), 0)
 
     @classmethod
-    def knobs(cls, location: Location) -> tuple[str, ...]:
+    def free(cls, site: Site) -> tuple[str, ...]:
         return "mean_speed", "direction"
 
     @classmethod
-    def probes(cls, location: Location, lines: Sequence[float] = ()) -> list[list[dict[str, float]]]:
+    def screening(cls, site: Site, lines_hz: Sequence[float] = ()) -> list[list[dict[str, float]]]:
         """From in front and from the side."""
         return [[{"mean_speed": SPEED, "direction": d} for d in (0.0, np.pi / 2)]]
 
     @classmethod
-    def blend(cls, probes: Sequence[Values], weights: Array) -> dict[str, float]:
+    def combine(cls, site: Site, points: Sequence[Values], weights: Array) -> dict[str, float]:
         """Pressures add up."""
         x, y = weights
         speed = np.clip(SPEED * np.hypot(x, y) ** 0.5, 0, 40)

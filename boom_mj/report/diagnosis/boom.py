@@ -11,21 +11,20 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from boom_mj.diagnosis.decision import QUIET as UNASKED
+from boom_mj.estimation.dataset import Channel
 from boom_mj.report.colours import CORRECTED, FAINT, MEASURED, QUIET
 from boom_mj.report.diagnosis.geometry import Side, place_of, side_view
 from boom_mj.report.diagnosis.view import View
 from boom_mj.report.drawing import HEAT, draw, gap_ticks
 from boom_mj.report.words import number
-from boom_mj.systems.boom.system import BoomSystem, sensor_place
-from boom_mj.systems.predictor import Channel
+from boom_mj.systems.boom.system import BoomSystem
 from boom_mj.systems.system import ResidualForce
 
 Array = np.ndarray
 WIDTH = 1080  # px
 TRUCK = np.array([[-8.5, 0.9], [-8.5, 1.6], [0.9, 1.6], [0.9, 2.9], [2.9, 2.9], [3.1, 0.9]])  # m, a hint of one
 TURRET = np.array([[-0.7, 1.6], [-0.45, 4.0], [0.45, 4.0], [0.8, 1.6]])  # m
-PUSHES = 5  # listed
+FORCES = 5  # listed
 BENDING = {"v": "bending, vertical", "w": "bending, horizontal"}
 AT_TIP = ("tip_payload", "end_hose")  # effects without a location that sit at the tip
 
@@ -41,7 +40,7 @@ class Sensed:
 def picture(view: View, boom: BoomSystem) -> Mapping[str, Any]:
     """What `boom.html` shows."""
     index = worst_recording(view)
-    angles = view.campaign.recordings[index]["joint/position"].values[0]
+    angles = view.data.recordings[index]["joint/position"].values[0]
     side = side_view(boom.machine, angles)
     states = sensed(view)
     rings = named_places(view, side)
@@ -70,25 +69,26 @@ def picture(view: View, boom: BoomSystem) -> Mapping[str, Any]:
         bar.minorticks_off()
 
     heard = "; ".join(f"{name} {gap:.3g}" for name, gap in states[0].gaps.items())
+    forces = [force for force in view.found.forces if force.ratio > view.found.criteria.near_noise_gap]
     return {
         "picture": draw("boom", f"Side view of the boom, gap by part before: {heard}", WIDTH, height, paint),
         "recording": view.recording_name(index),
         "rings": bool(rings),
-        "pushes": [_shown(push) for push in view.found.pushes if push.ratio > UNASKED][:PUSHES],
+        "forces": [_shown(force) for force in forces][:FORCES],
     }
 
 
-def _shown(push: ResidualForce) -> tuple[str, str, str, float]:
+def _shown(force: ResidualForce) -> tuple[str, str, str, float]:
     """Part, direction, force and ratio as the table has them."""
-    part, direction = f"{push.part[:-1]} {push.part[-1]}", BENDING.get(push.direction, push.direction)
-    return part, direction, f"{number(push.force)} {push.unit}", push.ratio
+    part, direction = f"{force.part[:-1]} {force.part[-1]}", BENDING.get(force.direction, force.direction)
+    return part, direction, f"{number(force.force)} {force.unit}", force.ratio
 
 
 def sensed(view: View) -> list[Sensed]:
     """Held-out gaps by part of the boom, before and, where something was found, after."""
-    channels = view.campaign.channels
-    parts = {**view.changes([_part(c) for c in channels], view.campaign.held_out)}
-    parts |= view.changes([sensor_place(c.group)[1] for c in channels], view.campaign.held_out & _on_links(view))
+    channels = view.data.channels
+    parts = {**view.changes([_part(view, c) for c in channels], view.data.held_out)}
+    parts |= view.changes([view.places[c.group].part for c in channels], view.data.held_out & _on_links(view))
     before = Sensed("nominal", {name: change.before for name, change in parts.items()})
     after = Sensed("corrected", {name: change.after for name, change in parts.items()})
     return [before, after] if view.corrected else [before]
@@ -96,20 +96,20 @@ def sensed(view: View) -> list[Sensed]:
 
 def _on_links(view: View) -> Array:
     """Entries of everything but the cylinders, (N,) of bool."""
-    return view.campaign.spread([not c.signal.startswith("cylinder") for c in view.campaign.channels]).astype(bool)
+    return view.data.spread([not c.signal.startswith("cylinder") for c in view.data.channels]).astype(bool)
 
 
-def _part(channel: Channel) -> str:
+def _part(view: View, channel: Channel) -> str:
     """The part of the boom that a channel belongs to."""
-    sensor, link, _ = sensor_place(channel.group)
-    if sensor == "marker":
+    place = view.places[channel.group]
+    if place.sensor == "marker":
         return f"marker{channel.column // 3 + 1}"
-    return f"{'cylinder' if sensor == 'cylinder' else 'imu'}{link[-1]}"
+    return f"{'cylinder' if place.sensor == 'cylinder' else 'imu'}{place.part[-1]}"
 
 
 def worst_recording(view: View) -> int:
     """Index of the recording that holds most of the nominal gap."""
-    return int(np.argmax(np.bincount(view.campaign.recording_of, view.before**2)))
+    return int(np.argmax(np.bincount(view.data.recording_of, view.before**2)))
 
 
 def named_places(view: View, side: Side) -> list[tuple[Array, str]]:

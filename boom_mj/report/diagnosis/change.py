@@ -18,7 +18,7 @@ LONGEST = 38  # letters of a label
 
 
 def section(view: View) -> Section:
-    groups = [Change(view.subject.group_name(name), c.before, c.after) for name, c in view.by_group.items()]
+    groups = [Change(view.places[name].label, c.before, c.after) for name, c in view.by_group.items()]
     recordings = view.by_recording
     values = [gap for change in (*groups, *recordings) for gap in (change.before, change.after)]
     parts = [("recording", "By recording", recordings)]
@@ -34,12 +34,12 @@ def section(view: View) -> Section:
 
 def by_axis(view: View) -> dict[str, list[Change]]:
     """Held-out gaps by phase, by link and by sensor."""
-    places = [view.subject.place(channel.group) for channel in view.campaign.channels]
-    held_out = view.campaign.held_out
+    places = [view.places[channel.group] for channel in view.data.channels]
+    held_out = view.data.held_out
     found = {
         "phase": view.changes_within(view.phases, held_out),
-        "link": view.changes([link for _, link, _ in places], held_out),
-        "sensor": view.changes([sensor for sensor, _, _ in places], held_out),
+        "link": view.changes([place.part for place in places], held_out),
+        "sensor": view.changes([place.sensor for place in places], held_out),
     }
     return {
         axis: [Change(spaced(name), c.before, c.after) for name in view.order[axis] if (c := changes.get(name))]

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from boom_mj.diagnosis.answer import rival
 from boom_mj.diagnosis.scoring import Scored
+from boom_mj.diagnosis.sentences import rival
 from boom_mj.report.diagnosis.view import View
 from boom_mj.report.drawing import gap_ticks
 from boom_mj.report.section import Section
@@ -33,7 +33,7 @@ class Rung:
 def section(view: View) -> Section:
     gaps = view.answer["gap"]
     nominal = _known(gaps["train"]["before"]), _known(gaps["holdout"]["before"])
-    everything = [*nominal, *(gap for j in view.found.contest for gap in (j.train, j.held_out))]
+    everything = [*nominal, *(gap for j in view.found.scored for gap in (j.train, j.held_out))]
     highest = max([gap for gap in everything if np.isfinite(gap)], default=1.0)
     low, high = 0.8, max(4.0, min(1.15 * highest, BEYOND * float(np.nanmax([1.0, *nominal]))))
     at = _scale(low, high)
@@ -42,7 +42,7 @@ def section(view: View) -> Section:
         return Rung(name, role, train, held_out, at(train), at(held_out), why)
 
     rungs = [rung("nominal model", "nominal", *nominal, "nothing added")]
-    for judged in view.found.contest:
+    for judged in view.found.scored:
         own, tied = judged is view.found.best, judged in view.found.ties
         name = " + ".join(effect_name({"id": e.id, "location": e.location}) for e in judged.fit.effects)
         why = _own(view) if own else _why_not(view, judged, nominal)
@@ -76,7 +76,7 @@ def _why_not(view: View, judged: Scored, nominal: tuple[float, float]) -> str:
 
 
 def _fitted(view: View) -> set[tuple]:
-    return {judged.fit.candidate.places for judged in view.found.contest}
+    return {judged.fit.candidate.places for judged in view.found.scored}
 
 
 def _known(gap: float | None) -> float:

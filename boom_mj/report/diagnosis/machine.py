@@ -1,18 +1,18 @@
-"""The machine, coloured by where the gap is sensed: every kind of subject has a picture of its own."""
+"""The machine, coloured by where the gap is sensed: every kind of system has a picture of its own."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
 
 from boom_mj.report.diagnosis import boom, tree
 from boom_mj.report.diagnosis.view import View
 from boom_mj.report.section import Section
-from boom_mj.systems.boom.system import BoomSystem
-from boom_mj.systems.mjcf import MjcfSystem
+
+PICTURES: Mapping[str, tuple[str, Callable[[View, Any], Mapping[str, Any]]]] = {
+    "boom": ("boom.html", boom.picture),
+    "mjcf": ("tree.html", tree.picture),
+}
 
 
 def section(view: View) -> Section:
-    match view.subject:
-        case BoomSystem() as subject:
-            kind, facts = "boom.html", boom.picture(view, subject)
-        case MjcfSystem() as subject:
-            kind, facts = "tree.html", tree.picture(view, subject)
-        case _:
-            raise TypeError(f"no picture for a {type(view.subject).__name__}")
-    return Section("machine", "On the machine", {"kind": kind, **facts})
+    template, picture = PICTURES[view.facts.kind]
+    return Section("machine", "On the machine", {"kind": template, **picture(view, view.system)})

@@ -37,8 +37,8 @@ def section(view: View) -> Section:
     facts = {
         "overlays": overlays,
         "corrected": view.corrected,
-        "block": f"{view.subject.block:g}",
-        "tolerances": bool(view.metric.nuisances),
+        "block": f"{view.data.block_s:g}",
+        "tolerances": bool(view.model.nuisances),
     }
     return Section("overlays", "How it shows", facts)
 
@@ -46,8 +46,8 @@ def section(view: View) -> Section:
 def group_shares(view: View) -> dict[str, float]:
     """Share of the nominal squared residual of every channel group, largest first."""
     power: dict[str, float] = defaultdict(float)
-    for number, channel in enumerate(view.campaign.channels):
-        part = view.before[view.campaign.stretch(number)]
+    for number, channel in enumerate(view.data.channels):
+        part = view.before[view.data.stretch(number)]
         power[channel.group] += float(part @ part)
     total = max(sum(power.values()), 1e-300)
     return {name: p / total for name, p in sorted(power.items(), key=lambda item: -item[1])}
@@ -58,25 +58,25 @@ def chosen(view: View, share: dict[str, float]) -> list[str]:
     first: dict[str, str] = {}
     for group, part in share.items():
         if part >= WORTH:
-            first.setdefault(view.subject.place(group)[0], group)
+            first.setdefault(view.places[group].sensor, group)
     rest = [group for group in share if group not in first.values()]
     return sorted([*first.values(), *rest][:SHOWN], key=lambda group: -share[group])
 
 
 def overlay(view: View, group: str, share: float, index: int) -> Overlay:
     """The channel of a group that is worst off on what was held out."""
-    campaign = view.campaign
-    channels = [k for k, channel in enumerate(campaign.channels) if channel.group == group]
-    number = max(channels, key=lambda k: _power(view, campaign.stretch(k)))
-    channel, rows = campaign.channels[number], campaign.stretch(number)
-    signal = campaign.recordings[channel.recording][channel.signal]
-    seen = campaign.used[rows]
-    factor, unit = _scale(signal.unit, campaign.measured[rows][seen])
+    data = view.data
+    channels = [k for k, channel in enumerate(data.channels) if channel.group == group]
+    number = max(channels, key=lambda k: _power(view, data.stretch(k)))
+    channel, rows = data.channels[number], data.stretch(number)
+    signal = data.recordings[channel.recording][channel.signal]
+    seen = data.used[rows]
+    factor, unit = _scale(signal.unit, data.measured[rows][seen])
     time = channel.time
     measured, nominal, corrected = (
-        np.where(seen, factor * values[rows], np.nan) for values in (campaign.measured, view.nominal, view.explained)
+        np.where(seen, factor * values[rows], np.nan) for values in (data.measured, view.nominal, view.explained)
     )
-    weight = view.metric.weight[rows]
+    weight = view.model.noise.weight[rows]
     spread = 2 * factor * np.where(weight > 0, 1 / np.where(weight > 0, weight, 1.0), np.nan)
     window = _window(time, np.where(seen, view.before[rows], 0.0))
     lines = [(nominal, NOMINAL, 1.2)] + ([(corrected, CORRECTED, 1.2)] if view.corrected else [])
@@ -99,9 +99,9 @@ def overlay(view: View, group: str, share: float, index: int) -> Overlay:
             axes.grid(axis="y")
         figure.align_ylabels()
 
-    several = [c for c in campaign.channels if (c.recording, c.group) == (channel.recording, group)]
+    several = [c for c in data.channels if (c.recording, c.group) == (channel.recording, group)]
     which = f" ({signal.channels[channel.column]})" if len(several) > 1 else ""
-    name = capital(view.subject.group_name(group)) + which
+    name = capital(view.places[group].label) + which
     where = f"{view.recording_name(channel.recording)}, {view.part(channel.recording)}"
     picture = draw(f"overlay{index}", f"{name} in {where}: measured and simulated over time", WIDTH, HEIGHT, paint)
     return Overlay(name, f"{where}; the group holds {percent(share)} of the gap", picture)
@@ -116,7 +116,7 @@ def _scale(unit: str, values: Array) -> tuple[float, str]:
 
 def _power(view: View, rows: slice) -> float:
     """Squared nominal residual of the held-out entries; less than nothing where all are hidden."""
-    held = view.campaign.held_out[rows]
+    held = view.data.held_out[rows]
     return float(np.sum(view.before[rows][held] ** 2)) if held.any() else -1.0
 
 

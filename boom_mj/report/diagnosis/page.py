@@ -31,11 +31,11 @@ def diagnosis_page(found: Diagnosis, names: Sequence[str]) -> str:
         "boom_mj.report.diagnosis",
         number=number,
         gap=gap_size,
-        place=lambda at: view.subject.place_name(*at),
+        place=lambda at: view.place_name(*at),
         percent=percent,
         effect_name=effect_name,
     )
-    facts = {name.replace("_s", ", s"): _said(value) for name, value in view.subject.provenance.items()}
+    facts = {name.replace("_s", ", s"): _said(value) for name, value in view.facts.provenance.items()}
     template = environment.get_template("diagnosis.html")
     return template.render(view=view, head=head, sections=sections, provenance=facts)
 

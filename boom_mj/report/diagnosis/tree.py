@@ -12,6 +12,7 @@ from matplotlib.colors import LogNorm, to_hex
 from boom_mj.report.diagnosis.view import Change, View
 from boom_mj.report.drawing import HEAT
 from boom_mj.systems.mjcf import MjcfSystem
+from boom_mj.systems.mjcf.rollout import joint_of
 from boom_mj.systems.mjcf.sites import links
 
 ROLES = {"drive": "its measured motion drives", "control": "commanded", "compare": "judged"}
@@ -38,15 +39,15 @@ class Row:
     effects: Sequence[str]
 
 
-def picture(view: View, robot: MjcfSystem) -> Mapping[str, Any]:
+def picture(view: View, system: MjcfSystem) -> Mapping[str, Any]:
     """What `tree.html` shows."""
-    places = [robot.entries[channel.group].place for channel in view.campaign.channels]
-    changes = view.changes(places, view.campaign.held_out)
+    places = [system.entries[channel.group].place for channel in view.data.channels]
+    changes = view.changes(places, view.data.held_out)
     norm = LogNorm(1.0, max(10.0, *(change.before for change in changes.values())) if changes else 10.0)
     logged, named = defaultdict(list), defaultdict(list)
-    for entry in robot.channels.channel:
+    for entry in system.channels.channel:
         logged[entry.place].append(f"{entry.name}: {ROLES[entry.role]}")
-    owner = {entry.name: entry.place for entry in robot.channels.channel}
+    owner = {entry.name: entry.place for entry in system.channels.channel}
     for effect in view.effects:
         for place in effect.location.values():
             named[owner.get(str(place), str(place))].append(effect.id.replace("_", " "))
@@ -59,23 +60,23 @@ def picture(view: View, robot: MjcfSystem) -> Mapping[str, Any]:
             _colours(norm, change.after if change else np.nan),
             named[part.name],
         )
-        for part in parts(robot)
+        for part in parts(system)
     ]
     whole = [effect.id.replace("_", " ") for effect in view.effects if not effect.location]
     return {"rows": rows, "whole": whole, "corrected": view.corrected}
 
 
-def parts(robot: MjcfSystem) -> Iterator[Part]:
+def parts(system: MjcfSystem) -> Iterator[Part]:
     """Bodies, root outward, each followed by what sits on it; a chain of hinges of a flexible link is one part."""
-    model, flexible = robot.spec.copy().compile(), links(robot.spec)
+    model, flexible = system.spec.copy().compile(), links(system.spec)
     children, hosts, moved = defaultdict(list), defaultdict(list), defaultdict(list)
     for body in range(1, model.nbody):
         children[int(model.body_parentid[body])].append(body)
-    for entry in robot.channels.channel:
+    for entry in system.channels.channel:
         if entry.sensor:
             hosts[_host(model, model.sensor(entry.sensor).id)].append(entry.sensor)
-    for actuator in robot.spec.actuators:
-        moved[robot.joint_of(actuator.name)].append(actuator.name)
+    for actuator in system.spec.actuators:
+        moved[joint_of(system.spec, actuator.name)].append(actuator.name)
 
     def walk(body: int, depth: int) -> Iterator[Part]:
         joints = [model.joint(int(model.body_jntadr[body]) + k).name for k in range(int(model.body_jntnum[body]))]
@@ -84,7 +85,7 @@ def parts(robot: MjcfSystem) -> Iterator[Part]:
         if not inner:
             yield Part(depth, model.body(body).name or f"body {body}", "body")
             for chain in chains:
-                count = sum(joint.name.startswith(f"{chain}/") for joint in robot.spec.joints)
+                count = sum(joint.name.startswith(f"{chain}/") for joint in system.spec.joints)
                 yield Part(depth + 1, chain, f"flexible link of {count} hinges")
             for joint in joints:
                 if joint.partition("/")[0] not in flexible:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from boom_mj.diagnosis import estimated_tolerances
+from boom_mj.diagnosis import estimated_nuisances
 from boom_mj.report.diagnosis.view import View
 from boom_mj.report.section import Section
 from boom_mj.report.words import (
@@ -73,7 +73,7 @@ def figures(view: View) -> list[tuple[str, str, str]]:
         span = "" if low is None or high is None else f"95 % interval {percent(low)} to {percent(high)}"
         found.append(("Closed, held out", percent(gap["closure"]), span))
     if gap["fidelity_alone"] is not None:
-        meaning = f"of the coarse model's gap, by {view.subject.words.finer} alone"
+        meaning = f"of the coarse model's gap, by {view.facts.wording.finer} alone"
         found.append(("Finer model closes", percent(gap["fidelity_alone"]), meaning))
     return found
 
@@ -98,9 +98,9 @@ def rows(effect: Mapping[str, Any]) -> list[dict[str, str]]:
 def offsets(view: View) -> list[str]:
     """Zero offsets of sensors that were estimated along, of angles in degrees."""
     found = []
-    for effect in estimated_tolerances(view.found):
-        for name, value in effect.values.items() if effect.id == view.subject.words.zero else ():
-            unit = effect.parameters[name].unit
+    for effect in estimated_nuisances(view.found):
+        for name, value in effect.values.items() if effect.id == view.facts.wording.zero_offset else ():
+            unit = effect.declared[name].unit
             size = f"{np.degrees(value):+.2f}°" if unit == "rad" else f"{value:+.2g} {unit}"
             place = " ".join(map(str, effect.location.values())) or name.replace("joint", f"joint{SPACE}")
             found.append(f"{place} {size.replace('-', MINUS)}")

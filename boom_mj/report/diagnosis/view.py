@@ -9,12 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from boom_mj.diagnosis import Campaign, Diagnosis
-from boom_mj.diagnosis.linearisation import Metric
+from boom_mj.diagnosis import Diagnosis
+from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.localisation import Cell, locate
 from boom_mj.effects import Effect
+from boom_mj.estimation.dataset import Dataset
 from boom_mj.report.words import SPACE
-from boom_mj.systems.system import System
+from boom_mj.systems.system import ChannelPlace, System, SystemFacts
 
 Array = np.ndarray
 LOG = re.compile(r"\.(mcap|bag|db3|csv|mat)(\.gz)?\b")
@@ -43,12 +44,16 @@ class View:
     answer: Mapping[str, Any]
 
     @property
-    def campaign(self) -> Campaign:
-        return self.found.metric.campaign
+    def data(self) -> Dataset:
+        return self.found.model.data
 
     @property
-    def subject(self) -> System:
-        return self.campaign.subject
+    def system(self) -> System:
+        return self.found.model.system
+
+    @property
+    def facts(self) -> SystemFacts:
+        return self.found.model.facts
 
     @property
     def corrected(self) -> bool:
@@ -73,73 +78,78 @@ class View:
     @cached_property
     def nominal(self) -> Array:
         """What the nominal model with its nuisances says, in units of the channels, (N,); NaN where hidden."""
-        return self._said(self.found.metric, self.before)
+        return self._said(self.found.model, self.before)
 
     @cached_property
     def explained(self) -> Array:
         """What the best explanation says, in units of the channels, (N,); NaN where hidden."""
-        return self._said(self.metric, self.after)
+        return self._said(self.model, self.after)
 
     @property
-    def metric(self) -> Metric:
-        """In which the best explanation was fitted."""
-        return self.found.best.metric if self.found.best else self.found.metric
+    def model(self) -> Linearisation:
+        """About which the best explanation was fitted."""
+        return self.found.best.model if self.found.best else self.found.model
 
-    def _said(self, metric: Metric, white: Array) -> Array:
-        seen = metric.weight > 0
-        return self.campaign.measured - np.where(seen, white / np.where(seen, metric.weight, 1.0), np.nan)
+    def _said(self, model: Linearisation, white: Array) -> Array:
+        weight = model.noise.weight
+        return self.data.measured - np.where(weight > 0, white / np.where(weight > 0, weight, 1.0), np.nan)
 
     @cached_property
     def cells(self) -> tuple[Cell, ...]:
         """Where the nominal gap lies, in all recordings."""
-        return locate(self.campaign, self.before)
+        return locate(self.found.model, self.before)
 
     @cached_property
     def cells_left(self) -> tuple[Cell, ...]:
         """Where what is left lies, in all recordings."""
-        return locate(self.campaign, self.after)
+        return locate(self.found.model, self.after)
 
     @cached_property
     def groups(self) -> tuple[str, ...]:
         """Channel groups by sensor, link and direction."""
 
         def rank(name: str) -> list[int]:
-            return [self.order[axis].index(part) for axis, part in zip(self.order, self._places[name])]
+            return [self.order[axis].index(part) for axis, part in zip(self.order, _axes(self.places[name]))]
 
-        return tuple(sorted(self._places, key=rank))
+        return tuple(sorted(self.places, key=rank))
 
     @cached_property
     def order(self) -> Mapping[str, tuple[str, ...]]:
         """Names along every axis of a cell, in the order in which people read them."""
-        sensors, links, directions = (tuple(dict.fromkeys(names)) for names in zip(*self._places.values()))
-        bands = tuple(name for name, _ in self.subject.bands)
+        sensors, links, directions = (tuple(dict.fromkeys(names)) for names in zip(*map(_axes, self.places.values())))
+        bands = tuple(name for name, _ in self.facts.bands_hz)
         return {
             "sensor": sensors,
             "link": links,
             "direction": directions,
             "band": bands,
-            "phase": self.subject.words.phases,
+            "phase": self.facts.wording.phases,
         }
 
     @cached_property
-    def _places(self) -> Mapping[str, tuple[str, str, str]]:
-        """Sensor, link and direction of every channel group."""
-        return {channel.group: self.subject.place(channel.group) for channel in self.campaign.channels}
+    def places(self) -> Mapping[str, ChannelPlace]:
+        """Where every channel group belongs."""
+        found = [self.system.channel(channel.signal, channel.column) for channel in self.data.channels]
+        return {place.group: place for place in found}
+
+    def place_name(self, sensor: str, part: str) -> str:
+        """A sensor at its part, for people."""
+        return next(p.place for p in self.places.values() if (p.sensor, p.part) == (sensor, part))
 
     def recording_name(self, index: int) -> str:
         """File name without its ending, or the experiment's name where there is no file."""
         named = index < len(self.names)
-        return LOG.sub("", Path(self.names[index]).name) if named else self.campaign.recordings[index].name
+        return LOG.sub("", Path(self.names[index]).name) if named else self.data.recordings[index].name
 
     def part(self, index: int) -> str:
         """What a recording was used for."""
-        if self.campaign.split_in_time or index in self.campaign.borrowed:
-            return f"training: {self.subject.words.learnt.replace('%', f'{SPACE}%')}; the rest held out"
-        return "training" if index < self.campaign.training else "held out"
+        if self.data.split_in_time or index in self.data.extended:
+            return f"training: {self.facts.wording.first_part.replace('%', f'{SPACE}%')}; the rest held out"
+        return "training" if index < self.data.training else "held out"
 
     def _titled(self, index: int) -> str:
         name = self.recording_name(index)
-        return name if self.campaign.split_in_time else f"{name}, {self.part(index)}"
+        return name if self.data.split_in_time else f"{name}, {self.part(index)}"
 
     def change(self, name: str, rows: Array) -> Change:
         """Gaps over some entries, (N,) of bool; NaN where there are none."""
@@ -150,7 +160,7 @@ class View:
 
     def changes(self, labels: Sequence[str], rows: Array) -> dict[str, Change]:
         """Gaps over some entries, by a label per channel; labels without entries are left out."""
-        return self.changes_within(np.repeat(np.asarray(labels), np.diff(self.campaign.offsets)), rows)
+        return self.changes_within(np.repeat(np.asarray(labels), np.diff(self.data.offsets)), rows)
 
     def changes_within(self, labels: Array, rows: Array) -> dict[str, Change]:
         """Gaps over some entries, by a label per entry, (N,); labels without entries are left out."""
@@ -159,26 +169,29 @@ class View:
     @cached_property
     def phases(self) -> Array:
         """What happens at every entry, (N,) of str."""
-        campaign = self.campaign
-        of = [campaign.subject.phases(log) for log in campaign.recordings]
+        data = self.data
+        of = [self.system.timeline(log).phases() for log in data.recordings]
         parts = [
-            of[c.recording][np.minimum((c.time / campaign.subject.block).astype(int), len(of[c.recording]) - 1)]
-            for c in campaign.channels
+            of[c.recording][np.minimum((c.time / data.block_s).astype(int), len(of[c.recording]) - 1)]
+            for c in data.channels
         ]
         return np.concatenate(parts)
 
     @cached_property
     def by_group(self) -> dict[str, Change]:
         """Held-out gaps of every channel group, in the order of `groups`."""
-        found = self.changes([channel.group for channel in self.campaign.channels], self.campaign.held_out)
+        found = self.changes([channel.group for channel in self.data.channels], self.data.held_out)
         return {name: found[name] for name in self.groups if name in found}
 
     @cached_property
     def by_recording(self) -> list[Change]:
         """Gaps of every recording that measured anything, with what it was used for."""
-        campaign = self.campaign
+        data = self.data
         changes = [
-            self.change(self._titled(k), campaign.used & (campaign.recording_of == k))
-            for k in range(len(campaign.recordings))
+            self.change(self._titled(k), data.used & (data.recording_of == k)) for k in range(len(data.recordings))
         ]
         return [change for change in changes if np.isfinite(change.before)]
+
+
+def _axes(place: ChannelPlace) -> tuple[str, str, str]:
+    return place.sensor, place.part, place.direction

@@ -12,7 +12,7 @@ def section(view: View) -> Section:
     top = sorted(found.rows, key=lambda row: -row.total.share)[:TOP]
     facts = {
         "map": found,
-        "top": [(view.subject.place_name(row.sensor, row.link), row.total.share) for row in top],
-        "frames": view.subject.words.frames,
+        "top": [(view.place_name(row.sensor, row.link), row.total.share) for row in top],
+        "frames": view.facts.wording.frames,
     }
     return Section("where", "Where it lies", facts)

@@ -34,7 +34,9 @@ def next_experiment(machine: Machine, explanations: Sequence[tuple[Effect, ...]]
         try:
             twins = [recorded(effects, name) for effects in explanations]
             nominal = recorded((), name)
-            zero = [recorded((make_effect("joint_zero_offset", {f"joint{k}": 0.002}),), name) for k in range(1, 6)]
+            zero = [
+                recorded((make_effect("joint_zero_offset", {"joint": k, "offset": 0.002}),), name) for k in range(1, 6)
+            ]
         except BoomError:
             continue
         basis = np.linalg.qr(np.stack([z - nominal for z in zero], axis=1))[0]

@@ -1,191 +1,134 @@
-"""The boom as a subject of diagnosis: its logged joint angles drive the model, its other sensors are compared."""
+"""The boom as a system: its logged joint angles drive the model, its other sensors are compared."""
 
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from collections.abc import Mapping, Sequence
 from threading import Lock
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from boom_mj.effects import AngleEffect, Effect, SignalEffect, effect_library, effects_of, make_effect
+from boom_mj.effects import BOOM_SITES, AngleEffect, Effect, Site, effects_of
+from boom_mj.estimation.dataset import Dataset
 from boom_mj.machine import Machine
 from boom_mj.mjcf import BoomModel, build
-from boom_mj.recording import Recording, Signal
-from boom_mj.sensors import apply_sensor_effects, driving_angles, ideal_signals, noise_levels, sample, true_angles
-from boom_mj.sensors.blocks import BLOCK, group_of
+from boom_mj.recording import Recording, Signal, sample
+from boom_mj.sensors import apply_sensor_effects, driving_angles, ideal_signals, noise_levels, true_angles
 from boom_mj.simulation import Plant, run, step_times
 from boom_mj.simulation.plant import with_effects
-from boom_mj.systems.boom.design import next_experiment
-from boom_mj.systems.boom.residual_force import pushes
-from boom_mj.systems.system import FidelityLadder, Hypothesis, Level, Nuisance, Refinement, ResidualForce, System, Words
-
-if TYPE_CHECKING:
-    from boom_mj.diagnosis.linearisation import Metric
+from boom_mj.systems.boom import design, residual_force
+from boom_mj.systems.boom.channels import channel_place
+from boom_mj.systems.boom.corrected import with_effects_text
+from boom_mj.systems.boom.nuisances import OFFSET, OFFSET_STEP, nuisances
+from boom_mj.systems.boom.timeline import DRIVE, MOVING, PHASES, timeline
+from boom_mj.systems.fidelity import FidelityLadder, Level, Refinement
+from boom_mj.systems.system import (
+    ChannelPlace,
+    Hypothesis,
+    Nuisance,
+    ResidualForce,
+    SystemFacts,
+    Timeline,
+    Wording,
+)
 
 Array = np.ndarray
 ROUGH, COARSE, MIDDLE = (Level(2.0, hinges) for hinges in (1, 2, 4))
 FINE, SHARP = Level(2.0, 6), Level(1.0, 4)  # more hinges, half the step
 REFINED = 1 / (1 - (MIDDLE.hinges / FINE.hinges) ** 2)  # of second order in the hinges, of first in the step
+FIDELITY = FidelityLadder(
+    ROUGH, COARSE, MIDDLE, (Refinement(FINE, REFINED, REFINED), Refinement(SHARP, 2.0, 1.0)), SHARP, along=0.5
+)
+BLOCK_S, CORRELATION_S = 0.1, 5.0
+BANDS_HZ = (("static", 0.2), ("first mode", 0.8), ("second mode", 2.5), ("above", np.inf))
+MAX_CAUSES = 2  # unless asked otherwise
+FIRST = 0.6  # of a recording, where none is held out
 KEPT = 24  # compiled plants
-STIFFNESS = {"v": 0.005, "w": 0.005, "torsion": 0.01}  # of all links
-PLATES = 0.003  # of the stiffness of a single link
-MASS, DAMPING = 0.003, 0.05  # of a link, of all of them
-CHANGE = 0.002  # of those, for derivatives: one of 0.01 turns a vibration by half a radian until a recording ends
-GAIN = 0.002  # of a pressure sensor
-VISCOUS = 0.5  # of the machine file's, that may be missing or too much
-ZERO_OFFSET, OFFSET_STEP = np.radians(0.6), 0.0005  # rad: prior of a joint's zero offset, step of its secant
-NUISANCE = "joint_zero_offset"  # never a cause
-MOVING = 1e-3  # rad/s
-SHORT = 1.0  # s, of a start and around a reversal
-AFTER = 12.0  # s, how long a stop is remembered
-DRIVE = "joint/position"
-LEARNT = 0.6  # of a recording, where none is held out
 
 
-def tolerances() -> tuple[Nuisance, ...]:
-    """What differs between healthy booms, all of it small."""
-    found = [
-        Nuisance((make_effect(NUISANCE, {f"joint{k}": OFFSET_STEP}),), ZERO_OFFSET / OFFSET_STEP) for k in range(1, 6)
-    ]
-    for number in (2, 3):
-        slippery = make_effect("viscous_friction", {"joint": number, "factor": 0.0})
-        found.append(Nuisance((slippery,), VISCOUS, still=True))
-    for number in (2, 3):
-        reading = make_effect("pressure_scale", {"cylinder": number, "factor": 1 + CHANGE})
-        found.append(Nuisance((reading,), GAIN / CHANGE, still=True))
-    for axis, deviation in STIFFNESS.items():
-        softer = [make_effect("link_stiffness", {"link": k, "axis": axis, "factor": 1 - CHANGE}) for k in (2, 3, 4, 5)]
-        found.append(Nuisance(tuple(softer), deviation / CHANGE))
-    for link in (2, 3, 4, 5):
-        places = [{"link": link, "axis": axis} for axis in STIFFNESS]
-        thinner = [make_effect("link_stiffness", {**place, "factor": 1 - CHANGE}) for place in places]
-        found.append(Nuisance(tuple(thinner), PLATES / CHANGE))
-        found.append(Nuisance((make_effect("link_mass", {"link": link, "factor": 1 + CHANGE}),), MASS / CHANGE))
-    damped = make_effect("structural_damping", {"factor": 1 + CHANGE})
-    return (*found, Nuisance((damped,), DAMPING / CHANGE))
-
-
-class BoomSystem(System):
-    """A boom and the effects of `effects/library/`.
+class BoomSystem:
+    """A boom.
 
     Args:
         machine: nominal.
+        text: of its file, where a corrected one shall be written.
     """
 
-    block, window, still = BLOCK, 5.0, MOVING
-    bands = (("static", 0.2), ("first mode", 0.8), ("second mode", 2.5), ("above", np.inf))
-    fidelity = FidelityLadder(
-        ROUGH, COARSE, MIDDLE, (Refinement(FINE, REFINED, REFINED), Refinement(SHARP, 2.0, 1.0)), SHARP, alike=0.5
-    )
-    causes, slack, worth, spill = 2, 0.005, 0.5, 0.01
-    hides = 1.01  # right ones leave 0.95 to 1.00
-    words = Words(
-        phases=("hold", "start", "move", "slew", "reversal", "after motion", "after release"),
-        learnt=f"the first {LEARNT:.0%}",
-        finer="more hinges",
-        zero=NUISANCE,
-        frames="Accelerometers and gyroscopes: x along the link, y up, z to the side. Markers: world, z up.",
-    )
-    swings = True
-    listening = "imu/link5/specific_force"
-
-    def __init__(self, machine: Machine) -> None:
-        self.machine = machine
+    def __init__(self, machine: Machine, text: str = "") -> None:
+        self.machine, self.text = machine, text
         self.levels = noise_levels(machine)
+        self.facts = SystemFacts(
+            kind="boom",
+            name=machine.name,
+            block_s=BLOCK_S,
+            correlation_s=CORRELATION_S,
+            bands_hz=BANDS_HZ,
+            fidelity=FIDELITY,
+            noise={name: np.asarray(level) for name, level in self.levels.items() if name != DRIVE},
+            still=MOVING,
+            max_causes=MAX_CAUSES,
+            wording=Wording(
+                phases=PHASES,
+                first_part=f"the first {FIRST:.0%}",
+                finer="more hinges",
+                zero_offset=OFFSET,
+                frames="Accelerometers and gyroscopes: x along the link, y up, z to the side. Markers: world, z up.",
+            ),
+            split=lambda time, lasts: time < FIRST * lasts,
+            oscillatory=True,
+            line_signal="imu/link5/specific_force",
+            provenance={"hinges": {"contest": MIDDLE.hinges, "fidelity": FINE.hinges}},
+        )
         self._booms: dict[Level, BoomModel] = {}
         self._plants: dict[tuple, Plant] = {}
-        self._driven: dict[tuple[int, int], tuple[Array, Array]] = {}
+        self._driven: dict[tuple[int, int], tuple[Recording, Array, Array]] = {}
         self._compiling = Lock()
 
-    @property
-    def name(self) -> str:
-        return self.machine.name
+    def sites(self) -> tuple[Site, ...]:
+        return BOOM_SITES
 
-    @property
-    def provenance(self) -> Mapping[str, Any]:
-        return {"hinges": {"contest": MIDDLE.hinges, "fidelity": FINE.hinges}}
+    def nuisances(self) -> tuple[Nuisance, ...]:
+        return tuple(nuisances())
 
-    def library(self) -> list[tuple[type[Effect], dict]]:
-        kinds = (kind for kind in effect_library().values() if kind.id != NUISANCE)
-        return [(kind, place) for kind in kinds for place in kind.locations()]
+    def timeline(self, log: Recording) -> Timeline:
+        return timeline(log, float(self.levels[DRIVE][0]), BLOCK_S)
 
-    def tolerances(self) -> tuple[Nuisance, ...]:
-        return tolerances()
-
-    def noise(self) -> Mapping[str, Array]:
-        """All that have noise but the joint angles, which drive the model."""
-        return {name: np.asarray(level) for name, level in self.levels.items() if name != DRIVE}
-
-    def clock(self, log: Recording) -> tuple[float, float]:
-        time = log[DRIVE].time
-        return time[0], float(time[-1] - time[0])
-
-    def split(self, hypothesis: Hypothesis) -> tuple[Hypothesis, Hypothesis]:
-        sensing = tuple(e for e in hypothesis if isinstance(e, SignalEffect))
-        return tuple(e for e in hypothesis if not isinstance(e, SignalEffect)), sensing
-
-    def simulate(self, hypothesis: Hypothesis, level: Level, index: int, log: Recording) -> dict[str, Signal]:
+    def simulate(self, hypothesis: Hypothesis, level: Level, log: Recording) -> dict[str, Signal]:
         hypothesis = (*effects_of(self.machine), *hypothesis)
         plant = self._plant(hypothesis, level)
-        steps = step_times(plant, self.clock(log)[1])
-        reading, force = self._inputs(index, steps, log)
-        angle_errors = [e for e in hypothesis if isinstance(e, AngleEffect)]
-        return ideal_signals(run(plant, true_angles(angle_errors, reading), force))
-
-    def altered(self, effects: Hypothesis, signals: Mapping[str, Signal]) -> dict[str, Signal]:
-        return apply_sensor_effects([e for e in effects if isinstance(e, SignalEffect)], dict(signals), self.machine)
-
-    def group(self, signal: str, values: Signal, column: int) -> str:
-        return group_of(signal, values, column)
-
-    def place(self, group: str) -> tuple[str, str, str]:
-        return sensor_place(group)
-
-    def place_name(self, sensor: str, link: str) -> str:
-        return f"cylinder {link[-1]}" if sensor == "cylinder" else f"{sensor}, link {link[-1]}"
-
-    def group_name(self, group: str) -> str:
-        sensor, link, direction = sensor_place(group)
-        return f"{self.place_name(sensor, link)}, {direction}"
-
-    def motion(self, log: Recording, time: Array) -> Array:
         joints = log[DRIVE]
-        return np.stack([np.interp(time, joints.time - joints.time[0], column) for column in joints.values.T], axis=1)
+        steps = step_times(plant, float(joints.time[-1] - joints.time[0]))
+        reading, force = self._inputs(steps, log)
+        return ideal_signals(run(plant, true_angles(hypothesis, reading), force))
 
-    def phases(self, log: Recording) -> Array:
-        """Hold, start, slew, move, reversal, after motion, after release."""
-        start, duration = self.clock(log)
-        time = np.arange(0, duration + BLOCK, BLOCK) + BLOCK / 2
-        angles = driving_angles(log, self.levels[DRIVE][0], time + start)
-        rate = np.gradient(angles, BLOCK, axis=0)
-        moving = np.abs(rate) > MOVING
-        names = np.full(len(time), "hold", dtype="<U14")
-        load = sample(log["load"], time + start) if "load" in log else np.zeros((len(time), 3))
-        dropped = np.flatnonzero(np.linalg.norm(np.diff(load, axis=0), axis=1) > 1.0)
-        if dropped.size:
-            names[dropped[0] :] = "after release"
-        any_moving = moving.any(axis=1)
-        for stop in np.flatnonzero(any_moving[:-1] & ~any_moving[1:]):
-            names[stop : stop + int(AFTER / BLOCK)] = "after motion"
-        names[any_moving] = np.where(moving[any_moving, 0], "slew", "move")
-        for begin in np.flatnonzero(~any_moving[:-1] & any_moving[1:]):
-            names[begin : begin + int(SHORT / BLOCK)] = "start"
-        turned = np.flatnonzero((rate[:-1] * rate[1:] < 0).any(axis=1) & any_moving[1:])
-        for turn in turned:
-            names[max(0, turn - int(SHORT / BLOCK / 2)) : turn + int(SHORT / BLOCK / 2)] = "reversal"
-        return names
+    def observe(self, hypothesis: Hypothesis, dense: Mapping[str, Signal]) -> dict[str, Signal]:
+        return apply_sensor_effects(hypothesis, dict(dense), self.machine)
 
-    def next_experiment(self, explanations: Sequence[Hypothesis], done: Sequence[str]) -> str | None:
-        return next_experiment(self.machine, explanations, done)
+    def channel(self, signal: str, column: int) -> ChannelPlace:
+        return channel_place(signal, column)
 
-    def pushes(self, metric: "Metric", residual: Array) -> tuple[ResidualForce, ...]:
-        return pushes(self.machine, metric, residual)
+    def next_experiment(self, rivals: Sequence[Hypothesis], done: Sequence[str]) -> str | None:
+        """Of the catalogue."""
+        return design.next_experiment(self.machine, rivals, done)
 
-    def learns(self, time: Array, lasts: Array) -> Array:
-        return time < LEARNT * lasts
+    def forces(self, data: Dataset, white: Array, weight: Array) -> tuple[ResidualForce, ...]:
+        """On the elastic coordinates, by the markers, and of the cylinders."""
+        poses = [self.timeline(log).coordinates for log in data.recordings]
+        return residual_force.forces(self.machine, data, poses, white, weight)
 
-    def shortcut(self, probe: Effect) -> Callable[["Metric"], Array] | None:
-        return partial(_moved_by, probe) if isinstance(probe, AngleEffect) else None
+    def corrected(self, hypothesis: Hypothesis) -> str:
+        """The machine file's text with effects in it."""
+        return with_effects_text(self.text, hypothesis)
+
+    def column(self, effect: Effect, data: Dataset, nuisances: Array) -> Array | None:
+        """An angle error moves the boom as a zero offset of its size at that moment would."""
+        if not isinstance(effect, AngleEffect):
+            return None
+        column, joint = np.zeros(len(nuisances)), int(effect.location["joint"]) - 1
+        deviation = self.nuisances()[joint].deviation
+        for index, log in enumerate(data.recordings):
+            joints, rows = log[DRIVE], data.recording_of == index
+            error = effect.error(joints.values[:, joint])
+            at = np.interp(data.time[rows] + joints.time[0], joints.time, error)
+            column[rows] = nuisances[rows, joint] / deviation * at / OFFSET_STEP
+        return column
 
     def _plant(self, hypothesis: Hypothesis, level: Level) -> Plant:
         """The compiled model of a hypothesis; the last few are kept, for its other recordings."""
@@ -203,36 +146,12 @@ class BoomSystem(System):
             plant = self._plants[key]
         return Plant(plant.boom, plant.model, plant.effects)  # its scratch is its own
 
-    def _inputs(self, index: int, steps: Array, log: Recording) -> tuple[Array, Array]:
+    def _inputs(self, steps: Array, log: Recording) -> tuple[Array, Array]:
         """Smooth joint readings and the known load at the steps of the simulation."""
-        key = (index, len(steps))
+        key = (id(log), len(steps))  # the log is kept, so that no other gets its id
         if key not in self._driven:
             start = log[DRIVE].time[0]
             angles = driving_angles(log, self.levels[DRIVE][0], steps + start)
             force = sample(log["load"], steps + start) if "load" in log else np.zeros((len(steps), 3))
-            self._driven[key] = (angles, force)
-        return self._driven[key]
-
-
-def sensor_place(group: str) -> tuple[str, str, str]:
-    """Sensor, link and direction of a boom's channel group."""
-    if group.startswith("imu/"):
-        _, link, kind, direction = group.split("/")
-        return {"specific_force": "accelerometer", "angular_rate": "gyroscope"}[kind], link, direction
-    if group.startswith("markers/"):
-        _, link, direction = group.split("/")
-        return "marker", link, direction
-    return "cylinder", "link" + group[-1], "force"
-
-
-def _moved_by(error: AngleEffect, metric: "Metric") -> Array:
-    """The whitened column of an error, (N,): it moves the boom as a zero offset of its size at that moment would."""
-    campaign, column = metric.campaign, np.zeros(len(metric.base))
-    for index, log in enumerate(campaign.recordings):
-        joints, rows = log[DRIVE], campaign.recording_of == index
-        errors = error.error(joints.values)
-        for joint in np.flatnonzero(np.abs(errors).max(axis=0)):
-            at = np.interp(campaign.time[rows] + joints.time[0], joints.time, errors[:, joint])
-            deviation = metric.nuisances[joint].deviation
-            column[rows] += metric.columns[rows, joint] / deviation * at / OFFSET_STEP
-    return metric.white(column)
+            self._driven[key] = (log, angles, force)
+        return self._driven[key][1:]

@@ -20,7 +20,7 @@ DRIVE, HAND = "drive/", "hand/"  # actuators of ours: servos, and forces by hand
 
 
 @dataclass(frozen=True)
-class Course:
+class Inputs:
     """What goes into a simulation, at its steps.
 
     Attributes:
@@ -40,7 +40,7 @@ class Course:
 
 @dataclass(frozen=True)
 class Run:
-    """A simulated course: every entry (n,), by name.
+    """A simulated stretch: every entry (n,), by name.
 
     Attributes:
         position, velocity: of joints.
@@ -85,38 +85,44 @@ def drivable(spec: mujoco.MjSpec, driven: tuple[str, ...], pushed: tuple[str, ..
     return model
 
 
+def joint_of(spec: mujoco.MjSpec, actuator: str) -> str:
+    """Joint that an actuator moves, "" if it moves none."""
+    found = spec.actuator(actuator)
+    return found.target if found is not None and found.trntype == mujoco.mjtTrn.mjTRN_JOINT else ""
+
+
 def heavy_armature(model: mujoco.MjModel, joint: str) -> float:
     """What a servo carries besides the machine."""
     return float(model.actuator(DRIVE + joint).gainprm[0]) / SERVO**2
 
 
-def simulate(model: mujoco.MjModel, course: Course) -> Run:
-    """Simulate a course.
+def simulate(model: mujoco.MjModel, inputs: Inputs) -> Run:
+    """Simulate a inputs.
 
     Raises:
-        SimulationError: the state left the numbers.
+        SimulationError: the simulation diverged.
     """
-    time = course.time
+    time = inputs.time
     step, count = model.opt.timestep, len(time)
     control = np.zeros((count, model.nu))
     batch = Batch(model, 1, 1)
     batch.qpos[0], batch.qvel[0] = model.qpos0, 0
-    for joint, (position, speed) in course.start.items():
+    for joint, (position, speed) in inputs.start.items():
         address, dof = model.joint(joint).qposadr[0], model.joint(joint).dofadr[0]
         batch.qpos[0, address], batch.qvel[0, dof] = position, speed
-    for joint, path in course.path.items():
+    for joint, path in inputs.path.items():
         before, after = (3 * a - 3 * b + c for a, b, c in (path[:3], path[:-4:-1]))
         padded = np.concatenate([[before], path, [after]])
         speed = np.diff(padded) / step
         control[:, model.actuator(DRIVE + joint).id] = path + np.diff(speed) / step / SERVO**2
         batch.qpos[0, model.joint(joint).qposadr[0]] = path[0]
         batch.qvel[0, model.joint(joint).dofadr[0]] = speed[0]
-    for name, command in course.command.items():
+    for name, command in inputs.command.items():
         actuator = model.actuator(name)
         control[:, actuator.id] = command
         if actuator.actnum[0] == 1:
             batch.act[0, actuator.actadr[0]] = command[0]
-    for joint, force in course.force.items():
+    for joint, force in inputs.force.items():
         control[:, model.actuator(HAND + joint).id] = force
 
     qpos, qvel = np.empty((1, count + 1, model.nq)), np.empty((1, count + 1, model.nv))
@@ -130,7 +136,7 @@ def simulate(model: mujoco.MjModel, course: Course) -> Run:
     exerted = record["actuator_force"][0] * model.actuator_gear[:, 0]
     forces = {model.actuator(k).name: exerted[:, k] for k in range(model.nu)}
     acceleration = {j.name: record["qacc"][0][:, j.dofadr[0]] for j in joints}
-    driven = {j: forces[DRIVE + j] - heavy_armature(model, j) * acceleration[j] for j in course.path}
+    driven = {j: forces[DRIVE + j] - heavy_armature(model, j) * acceleration[j] for j in inputs.path}
     return Run(
         time,
         {j.name: qpos[0, :-1, j.qposadr[0]] for j in joints},

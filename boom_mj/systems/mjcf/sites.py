@@ -1,74 +1,95 @@
-"""Where effects can be in an MJCF machine, and what sizes are typical there."""
+"""Where effects may be in an MJCF machine, and what sizes are typical there."""
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
 
-from boom_mj.effects.general_effect import Typical
+from boom_mj.effects import Site
 from boom_mj.recording import Recording
-from boom_mj.systems.mjcf.rollout import Run
-
-if TYPE_CHECKING:
-    from boom_mj.systems.mjcf.system import MjcfSystem
+from boom_mj.systems.mjcf.channel_map import ChannelMap
+from boom_mj.systems.mjcf.rollout import Run, joint_of
 
 Array = np.ndarray
-Place = tuple[str, frozenset[str], Typical]
 TINY = 1e-9
 
 
-def places_of(robot: "MjcfSystem", where: str, logs: Sequence[Recording], runs: Sequence[Run]) -> Iterator[Place]:
-    """Names, tags and typical sizes of every place of a kind; "" is the machine as a whole."""
-    kinds = {
-        "joint": _joints,
-        "link": _links,
-        "body": _bodies,
-        "actuator": _actuators,
-        "channel": _channels,
-        "": _whole,
-    }
-    return kinds[where](robot, logs, runs)
+def sites_of(
+    spec: mujoco.MjSpec, channels: ChannelMap, logs: Sequence[Recording], runs: Sequence[Run]
+) -> tuple[Site, ...]:
+    """Joints, flexible links, bodies, actuators, channels, and the machine as a whole.
+
+    Args:
+        logs: to learn from, with the nominal run of each.
+    """
+    heavy = bool(np.any(np.asarray(spec.option.gravity)))
+    return (
+        *_joints(spec, channels, logs, runs),
+        *(_site("elastic", link=name) for name in sorted(links(spec))),
+        *_bodies(spec),
+        *_actuators(spec, channels, logs),
+        *_channels(channels, logs),
+        _site(*(("heavy",) if heavy else ())),
+    )
 
 
-def _joints(robot: "MjcfSystem", logs: Sequence[Recording], runs: Sequence[Run]) -> Iterator[Place]:
-    model, channels = robot.spec.copy().compile(), robot.channels
+def links(spec: mujoco.MjSpec) -> set[str]:
+    """Flexible links: names LINK of chains of joints LINK/1, LINK/2, ..."""
+    return {joint.name.partition("/")[0] for joint in spec.joints if joint.name.endswith("/1")}
+
+
+def _site(*tags: str, **location: str) -> Site:
+    return Site(tuple(location.items()), frozenset({"mjcf", *tags}))
+
+
+def _joints(
+    spec: mujoco.MjSpec, channels: ChannelMap, logs: Sequence[Recording], runs: Sequence[Run]
+) -> Iterator[Site]:
+    model = spec.copy().compile()
     data, mass = mujoco.MjData(model), np.zeros((model.nv, model.nv))
     mujoco.mj_forward(model, data)
     mujoco.mj_fullM(model, data, mass)
     measured = {e.joint for e in channels.channel if e.joint and e.what == "position"}
-    actuated = {robot.joint_of(e.actuator) for e in channels.channel if e.actuator} | set(channels.driven)
+    actuated = {joint_of(spec, e.actuator) for e in channels.channel if e.actuator} | set(channels.driven)
     for name in runs[0].position:
-        if name.partition("/")[0] in links(robot.spec):
+        if name.partition("/")[0] in links(spec):
             continue
         joint = model.joint(name)
         dof = int(joint.dofadr[0])
         inertia = float(mass[dof, dof])
         stiffness, damping = float(model.jnt_stiffness[joint.id]), float(np.ravel(model.dof_damping[dof])[0])
-        position, speed = _motion(robot, name, logs, runs)
+        position, speed = _motion(channels, name, logs, runs)
         span = max(float(np.ptp(position)), TINY)
-        fast = max(_rms(speed), TINY)
         forces = [inertia * _rms(np.concatenate([run.acceleration[name] for run in runs])), stiffness * span / 4]
         forces += [
             abs(model.actuator(e.actuator).gear[0]) * _rms(_logged(e.name, logs))
             for e in channels.role("compare")
-            if e.actuator and robot.joint_of(e.actuator) == name
+            if e.actuator and joint_of(spec, e.actuator) == name
         ]
         forces += [
             _rms(np.concatenate([run.force[e.actuator] for run in runs]))
             for e in channels.role("control")
-            if robot.joint_of(e.actuator) == name
+            if joint_of(spec, e.actuator) == name
         ]
-        tags = {"driven"} if name in channels.driven else {"free"}
-        tags |= {"measured"} if name in measured else set()
-        tags |= {"actuated"} if name in actuated else set()
-        tags |= {"sprung"} if stiffness else set()
-        tags |= {"outermost"} if model.body_jntnum[_behind(model, int(joint.bodyid[0]))].sum() == 1 else set()
-        unit = "m" if joint.type[0] == int(mujoco.mjtJoint.mjJNT_SLIDE) else "rad"
-        yield (
-            name,
-            frozenset(tags),
-            Typical(unit, max(*forces, TINY), span, fast, inertia, damping, stiffness, float(model.dof_armature[dof])),
+        said = {
+            "driven": name in channels.driven,
+            "free": name not in channels.driven,
+            "measured": name in measured,
+            "actuated": name in actuated,
+            "sprung": bool(stiffness),
+            "outermost": model.body_jntnum[_behind(model, int(joint.bodyid[0]))].sum() == 1,
+        }
+        yield Site(
+            (("joint", name),),
+            frozenset({"mjcf", *(tag for tag, so in said.items() if so)}),
+            unit="m" if joint.type[0] == int(mujoco.mjtJoint.mjJNT_SLIDE) else "rad",
+            value=max(*forces, TINY),
+            span=span,
+            speed=max(_rms(speed), TINY),
+            inertia=inertia,
+            damping=damping,
+            stiffness=stiffness,
+            armature=float(model.dof_armature[dof]),
         )
 
 
@@ -80,19 +101,9 @@ def _behind(model: mujoco.MjModel, body: int) -> list[int]:
     return found
 
 
-def links(spec: mujoco.MjSpec) -> set[str]:
-    """Flexible links: names LINK of chains of joints LINK/1, LINK/2, ..."""
-    return {joint.name.partition("/")[0] for joint in spec.joints if joint.name.endswith("/1")}
-
-
-def _links(robot: "MjcfSystem", logs: Sequence[Recording], runs: Sequence[Run]) -> Iterator[Place]:
-    for name in sorted(links(robot.spec)):
-        yield name, frozenset(), Typical()
-
-
-def _motion(robot: "MjcfSystem", joint: str, logs: Sequence[Recording], runs: Sequence[Run]) -> tuple[Array, Array]:
+def _motion(channels: ChannelMap, joint: str, logs: Sequence[Recording], runs: Sequence[Run]) -> tuple[Array, Array]:
     """Measured position and speed of a joint where there are any, else simulated ones."""
-    names = [e.name for e in robot.channels.role("drive") if e.joint == joint]
+    names = [e.name for e in channels.role("drive") if e.joint == joint]
     names += [f"motion/{joint}"] if f"motion/{joint}" in logs[0] else []
     if not names:
         return np.concatenate([run.position[joint] for run in runs]), np.concatenate(
@@ -103,39 +114,34 @@ def _motion(robot: "MjcfSystem", joint: str, logs: Sequence[Recording], runs: Se
     return np.concatenate([s.values[:, 0] for s in signals]), np.concatenate(speeds)
 
 
-def _bodies(robot: "MjcfSystem", logs: Sequence[Recording], runs: Sequence[Run]) -> Iterator[Place]:
-    model = robot.spec.copy().compile()
+def _bodies(spec: mujoco.MjSpec) -> Iterator[Site]:
+    model, flexible = spec.copy().compile(), links(spec)
     for k in range(1, model.nbody):
         if model.body_weldid[k] != 0 and model.body_mass[k] > 0:
             leaf = not np.any(model.body_parentid[k + 1 :] == k)
-            inner = model.body_jntnum[k] and model.joint(model.body_jntadr[k]).name.partition("/")[0] in links(
-                robot.spec
-            )
-            tags = frozenset({*({"leaf"} if leaf else ()), *(() if inner else {"whole"})})
-            yield model.body(k).name, tags, Typical("kg", mass=float(model.body_mass[k]))
+            inner = model.body_jntnum[k] and model.joint(model.body_jntadr[k]).name.partition("/")[0] in flexible
+            tags = {"mjcf", *(("leaf",) if leaf else ()), *(() if inner else ("whole",))}
+            yield Site((("body", model.body(k).name),), frozenset(tags), unit="kg", mass=float(model.body_mass[k]))
 
 
-def _actuators(robot: "MjcfSystem", logs: Sequence[Recording], runs: Sequence[Run]) -> Iterator[Place]:
-    for entry in robot.channels.channel:
-        judged = entry.role == "compare" and robot.joint_of(entry.actuator) in robot.channels.driven
+def _actuators(spec: mujoco.MjSpec, channels: ChannelMap, logs: Sequence[Recording]) -> Iterator[Site]:
+    for entry in channels.channel:
+        judged = entry.role == "compare" and joint_of(spec, entry.actuator) in channels.driven
         if entry.actuator and (entry.role == "control" or judged):
             size = max(_rms(_logged(entry.name, logs)), TINY)
-            yield entry.actuator, frozenset(), Typical(entry.unit, size, step=_step(entry.name, logs))
+            key = (("actuator", entry.actuator),)
+            yield Site(key, frozenset({"mjcf"}), unit=entry.unit, value=size, step=_step(entry.name, logs))
 
 
-def _channels(robot: "MjcfSystem", logs: Sequence[Recording], runs: Sequence[Run]) -> Iterator[Place]:
-    for entry in robot.channels.channel:
+def _channels(channels: ChannelMap, logs: Sequence[Recording]) -> Iterator[Site]:
+    for entry in channels.channel:
         if entry.role != "control":
             values = _logged(entry.name, logs)
-            tags = {"compared"} if entry.role == "compare" else {"driving"}
+            tags = {"mjcf", "compared" if entry.role == "compare" else "driving"}
             tags |= set() if entry.actuator else {"motion"}
             size = max(float(np.std(values[np.isfinite(values)])), TINY)
-            yield entry.name, frozenset(tags), Typical(entry.unit, size, step=_step(entry.name, logs))
-
-
-def _whole(robot: "MjcfSystem", logs: Sequence[Recording], runs: Sequence[Run]) -> Iterator[Place]:
-    heavy = bool(np.any(np.asarray(robot.spec.option.gravity)))
-    yield "", frozenset({"heavy"} if heavy else ()), Typical()
+            key = (("channel", entry.name),)
+            yield Site(key, frozenset(tags), unit=entry.unit, value=size, step=_step(entry.name, logs))
 
 
 def _logged(name: str, logs: Sequence[Recording]) -> Array:

@@ -1,0 +1,79 @@
+"""Every number that decides, once, with its unit and its reason; `gap criteria` shows them.
+
+A gap is the root mean square of a whitened residual: 1 is the floor of noise and model error.
+"""
+
+from dataclasses import Field, dataclass, field, fields
+from typing import Any
+
+
+def number(value: Any, unit: str, reason: str) -> Any:
+    """A field with its unit and why it is what it is."""
+    return field(default=value, metadata={"unit": unit, "reason": reason})
+
+
+@dataclass(frozen=True)
+class Criteria:
+    """What decides about a verdict."""
+
+    floor: float = number(1.0, "gap", "noise alone: below it, a named effect's inaccuracy explains nothing away")
+    explained_gap: float = number(1.03, "gap", "what an explanation may leave; right ones leave 0.95 to 1.01")
+    healthy_gap: float = number(1.05, "gap", "up to which nothing needs explaining; healthy machines show 0.97 to 0.99")
+    near_noise_gap: float = number(1.15, "gap", "up to which a cause must be sure, and above which a recording trains")
+    second_cause_gap: float = number(1.01, "gap", "above which an explanation that suffices may hide another cause")
+    sure_z: float = number(4.0, "standard errors", "by which a cause of a gap near noise must beat chance, of 50 tried")
+    tie_z: float = number(2.0, "standard errors", "within which rivals tie: a 95 % interval")
+    least_gain: float = number(0.10, "mean square", "fall of the held-out mean square that counts")
+    healthy_promise: float = number(0.01, "mean square", "screened fall of a healthy machine's training mean square")
+    parameter_cost: float = number(1e-3, "share of gap", "what a parameter must be worth, so that equals stay simple")
+    tie_closure: float = number(0.03, "closure", "within which rivals tie")
+    whole_closure: float = number(0.95, "closure", "that the interval of an explanation must reach")
+    named_closure: float = number(0.5, "closure", "lower end from which causes are named although they leave a gap")
+    shown_share: float = number(0.002, "share", "of the gap, from which a part of it is listed by itself")
+    seen_share: float = number(0.2, "share", "of a residual that a look must take to be told")
+    error_share: float = number(0.005, "share of gap", "that a model's own error may leave besides noise")
+    required_gain: float = number(0.5, "share of gap", "of what is left above noise, that another effect must close")
+    leakage: float = number(0.01, "share", "of the mean square closed, that an effect's own inaccuracy may leave")
+
+
+@dataclass(frozen=True)
+class SearchBudget:
+    """What is tried before a verdict: more costs time, less may miss a cause."""
+
+    finalists: int = number(6, "candidates", "that are fitted alone")
+    kinds_beyond: int = number(3, "candidates", "fitted besides, each the best of a kind that is not among them")
+    kind_share: float = number(0.3, "share", "of the best promise, that such a one must have")
+    partners: int = number(3, "candidates", "screened beside a leader, that are fitted together with it")
+    singles_beside: int = number(2, "candidates", "fitted alone before, that are tried together with a leader")
+    leaders: int = number(2, "candidates", "of a stage that are refined")
+    rounds: int = number(3, "refinements", "of a leader, each about the machine that the last has found")
+    lines: int = number(3, "spectral lines", "offered to periodic effects")
+    line_low_hz: float = number(0.1, "Hz", "lowest spectral line: a pump's slowest stroke")
+    line_high_hz: float = number(3.0, "Hz", "highest spectral line: below half the rate of block means")
+    weight_prior: float = number(10.0, "sizes worth finding", "prior deviation of a screened size")
+    alike_share: float = number(0.9, "share", "of the largest promise, from which other sizes are starts, too")
+    apart: float = number(0.5, "sizes worth finding", "by which such starts must differ")
+    latent_left: float = number(0.25, "share of gap", "that a latent input must leave less than, to count in screening")
+    second_promise: float = number(0.5, "share", "of what a leader leaves, that a second cause must promise")
+    still: float = number(0.1, "sizes worth finding", "within which nuisances and model error stay what they are")
+    helped: float = number(0.98, "share of gap", "that a refinement must leave to go on, if much of the gap is left")
+    far: float = number(0.25, "share of gap", "above noise, that counts as much of it")
+    worse: float = number(1.2, "times the gap", "at which a refinement is given up")
+    hope: float = number(0.9, "share of gap", "of what there was to explain: what leaves more is not refined")
+    close: float = number(1.5, "times the best gap", "up to which a rival is refined")
+    rival: float = number(0.1, "share of gap", "of what there was, up to which it is even where the best suffices")
+
+
+INFINITE = float("inf")
+BOOM = Criteria()
+MJCF = Criteria(second_cause_gap=INFINITE, error_share=0.02, required_gain=0.2, leakage=0.0)
+OF_KIND = {"boom": BOOM, "mjcf": MJCF}
+
+
+def described() -> list[tuple[str, Field[Any], dict[str, Any]]]:
+    """Name of the family, field, and value by kind of machine, of every criterion."""
+    rows: list[tuple[str, Field[Any], dict[str, Any]]] = []
+    for one in fields(Criteria):
+        rows.append(("criteria", one, {kind: getattr(found, one.name) for kind, found in OF_KIND.items()}))
+    rows += [("search", one, dict.fromkeys(OF_KIND, one.default)) for one in fields(SearchBudget)]
+    return rows

@@ -1,0 +1,83 @@
+"""What latent inputs of effects do in every recording: few units are simulated.
+
+In between boom and pose hardly change, and a response is that of the latest unit, later.
+"""
+
+from collections.abc import Sequence
+from concurrent.futures import Future
+from dataclasses import dataclass
+
+import numpy as np
+
+from boom_mj.effects import Effect
+from boom_mj.estimation.latent_input import KNOT_S, LatentInput, Part, estimate_latent, make_part
+from boom_mj.estimation.noise import NoiseModel
+from boom_mj.systems.predictor import Predictor
+from boom_mj.systems.system import Hypothesis
+
+Array = np.ndarray
+STRIDE = 0.1  # rad, that a joint moves between units that are simulated
+
+
+def latent_input_of(
+    predictor: Predictor, effects: Hypothesis, noise: NoiseModel, residual: Array, recordings: Sequence[int]
+) -> LatentInput | None:
+    """Latent input of the first effect that has one, None where none has.
+
+    Args:
+        noise: that whitens, without latent inputs and blur.
+        residual: whitened, from which the strength is learnt, (N,).
+        recordings: those that count.
+    """
+    hidden = next((e for e in effects if e.basis(0.0)), None)
+    if hidden is None:
+        return None
+    data = predictor.data
+    begun = [_Responses.begin(predictor, effects, hidden, k) for k in recordings]  # all, before one is awaited
+    parts = [one.part(predictor, noise) for one in begun]
+    trained = [part for part in parts if data.train[part.rows].any()]
+    return estimate_latent(parts, trained, residual, data.correlation_s, hidden.latent_limit)
+
+
+@dataclass(frozen=True)
+class _Responses:
+    """Responses to units that are being simulated.
+
+    Attributes:
+        index: of the recording.
+        knots: times of all units, s.
+        chosen: numbers of those that are simulated.
+        awaited: the simulation without a unit and those with one.
+    """
+
+    index: int
+    knots: Array
+    chosen: Array
+    awaited: tuple[Future[Array], ...]
+
+    @classmethod
+    def begin(cls, predictor: Predictor, effects: Hypothesis, hidden: Effect, index: int) -> "_Responses":
+        knots = np.arange(KNOT_S, predictor.data.duration(index), KNOT_S)
+        motion, chosen = predictor.system.timeline(predictor.data.recordings[index]).coordinates(knots), [0]
+        for k, pose in enumerate(motion):
+            if np.max(np.abs(pose - motion[chosen[-1]])) > STRIDE:
+                chosen.append(k)
+        rest, level = tuple(e for e in effects if e is not hidden), predictor.system.facts.fidelity.coarse
+        units = [(*rest, unit) for k in chosen if (unit := hidden.basis(knots[k]))]
+        awaited = tuple(predictor.begin(hypothesis, level, index, gapless=True) for hypothesis in (effects, *units))
+        return cls(index, knots, np.array(chosen), awaited)
+
+    def part(self, predictor: Predictor, noise: NoiseModel) -> Part:
+        """Whitened responses to all units."""
+        data = predictor.data
+        without, *found = (future.result() for future in self.awaited)
+        latest = np.searchsorted(self.chosen, np.arange(len(self.knots)), "right") - 1
+        late = np.round((self.knots - self.knots[self.chosen[latest]]) / data.block_s).astype(int)
+        changes = np.nan_to_num([unit - without for unit in found])
+        parts, first = [], 0
+        for channel in data.of(self.index):
+            own = changes[:, first : (first := first + channel.blocks[-1] + 1)]
+            before = channel.blocks[:, None] - late
+            parts.append(np.where(before >= 0, own[latest, np.maximum(before, 0)], 0.0).astype(np.float32))
+        rows = data.rows(self.index)
+        return make_part(rows, noise.whitened(rows, np.concatenate(parts)), self.knots)

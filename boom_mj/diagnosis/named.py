@@ -1,0 +1,72 @@
+"""Explanations in plain data: effects with sizes, intervals and what each closes alone."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from boom_mj.diagnosis.candidate import Candidate
+from boom_mj.diagnosis.diagnose import Diagnosis
+from boom_mj.diagnosis.scoring import Scored
+from boom_mj.effects import Effect
+from boom_mj.estimation.bootstrap import gap
+from boom_mj.estimation.intervals import Z95
+
+
+def described(found: Diagnosis) -> list[dict[str, Any]]:
+    """The effects of the best explanation with sizes, intervals, and what each closes alone."""
+    assert found.best is not None
+    best = found.best
+    parameters_of = best.fit.candidate.parameters
+    entries = []
+    for k, effect in enumerate(best.fit.effects):
+        parameters = {}
+        for number, (owner, name, parameter) in enumerate(parameters_of):
+            if owner == k:
+                middle, reach = best.fit.scaled[number], Z95 * best.deviation[number]
+                ends = sorted(parameter.value(middle + side * reach) for side in (-1, 1))
+                parameters[name] = {
+                    "value": effect.values[name],
+                    "low": ends[0],
+                    "high": ends[1],
+                    "unit": parameter.unit,
+                }
+        parameters |= _of_latent(best, effect, parameters)
+        alone = next((j for j in found.scored if j.fit.candidate.places == Candidate((effect,)).places), None)
+        entries.append(
+            {
+                "id": effect.id,
+                "location": effect.location,
+                "parameters": parameters,
+                "closure_alone": closure_of(found, alone) if alone else None,
+            }
+        )
+    return entries
+
+
+def _of_latent(best: Scored, effect: Effect, parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """What the latent input of an effect says of its parameters, if it has one."""
+    latent = best.model.latent
+    if latent is None or not latent.parts:
+        return {}
+    ends = [{**effect.values, **{name: size[end] for name, size in parameters.items()}} for end in ("low", "high")]
+    found = [type(effect)(effect.site, **values).with_latent(s) for values in ends for s in latent.interval]
+    return {
+        name: {
+            "value": value,
+            "low": min(one[name] for one in found),
+            "high": max(one[name] for one in found),
+            "unit": effect.declared[name].unit,
+        }
+        for name, value in effect.with_latent(latent.strength).items()
+    }
+
+
+def closure_of(found: Diagnosis, scored: Scored) -> float:
+    """Of one candidate, on held-out entries."""
+    before = gap(found.nominal, found.model.data.held_out)
+    return (before - scored.held_out) / max(before - 1, 1e-9)
+
+
+def brief(effects: Sequence[Effect]) -> dict[str, Any]:
+    """An explanation by name: its first effect, and the others beside it."""
+    first, *others = ({"id": effect.id, "location": effect.location} for effect in effects)
+    return {**first, "with": others} if others else first

@@ -1,0 +1,68 @@
+"""The answer in words."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from boom_mj.diagnosis.diagnose import Diagnosis
+from boom_mj.diagnosis.localisation import in_words, locate
+from boom_mj.diagnosis.named import brief, closure_of, described
+from boom_mj.diagnosis.scoring import Scored
+from boom_mj.estimation.bootstrap import gap
+
+
+def rival(found: Diagnosis, other: Scored) -> dict[str, Any]:
+    """A candidate that lost, and why."""
+    share = closure_of(found, other)
+    why = f"closes {share:.0%} of the held-out gap" if share > -1 else "fits no better at any size"
+    if found.best:
+        if other in found.ties:
+            why += ": within the uncertainty of the best"
+        elif set(found.best.fit.candidate.places) < set(other.fit.candidate.places):
+            why += f": no better than {found.best.label} alone"
+        elif other.held_out > found.best.held_out:
+            why += f", {found.best.label} {closure_of(found, found.best):.0%}"
+    if share > -1 and other.held_out > 1.1 * other.train:
+        why += (
+            f"; it fits the training data better ({other.train:.2f}) than what it has not seen ({other.held_out:.2f})"
+        )
+    return {**brief(other.fit.effects), "holdout_gap": other.held_out, "why_not": why}
+
+
+def sentence(found: Diagnosis) -> str:
+    """The verdict in words."""
+    data = found.model.data
+    before = gap(found.nominal, data.held_out)
+    if found.verdict == "consistent":
+        return f"No gap beyond noise and model error: {before:.2f} on what was held out, 1 is the floor."
+    where = in_words(locate(found.model, found.nominal))
+    if found.verdict == "unexplained":
+        leaves = f"close {found.closure.value:.0%} and leave {found.best.held_out:.1f}" if found.best else ""
+        tried = f"; {found.best.label} would {leaves}" if found.best else ""
+        hidden = " and ".join(data.recordings[k].name for k in found.not_trained)
+        advice = f" Training recordings do not show all of it; train with {hidden} as well." if hidden else ""
+        return f"The gap of {before:.1f} has no explanation in the library{tried}: {where}.{advice}"
+    causes = [_in_words(entry) for entry in described(found)]
+    cause, close = " and ".join(causes), "closes" if len(causes) == 1 else "close"
+    text = f"{cause[0].upper()}{cause[1:]} {close} {found.closure.value:.0%} of the held-out gap of {before:.1f}"
+    if found.ties:
+        text += ", and so would " + " or ".join(j.label for j in found.ties)
+        if found.next_experiment:
+            text += f"; {found.next_experiment} would tell them apart"
+    return f"{text}. Without it, {where}.{_extended(found)}"
+
+
+def _extended(found: Diagnosis) -> str:
+    """What trained beyond the recordings for it."""
+    data = found.model.data
+    names = " and ".join(data.recordings[k].name for k in sorted(data.extended))
+    part = found.model.facts.wording.first_part
+    return f" Training recordings do not show it: {part} of {names} trained as well." if names else ""
+
+
+def _in_words(entry: Mapping[str, Any]) -> str:
+    """An effect as `described`."""
+    place = ", ".join(f"{k} {v}" for k, v in entry["location"].items())
+    sizes = ", ".join(
+        f"{name} {size['value']:.4g} {size['unit']}".removesuffix(" 1") for name, size in entry["parameters"].items()
+    )
+    return f"{entry['id'].replace('_', ' ')}{f' at {place}' if place else ''} ({sizes})"

@@ -1,0 +1,299 @@
+"""Effects: what a machine has and the nominal model lacks.
+
+An effect is a term with parameters p whose neutral value p0 makes it vanish to the last byte of the MJCF and of the
+recording, so that "off" needs no branch and hypotheses add up. It is plain data: a site and values. What it acts on is
+its type:
+
+    ModelEffect     edits the MuJoCo specification
+    ForceEffect     pushes on sites or joints of the model while it moves
+    InputEffect     stands between what is true of an input and what is logged or commanded: y(t) = apply(u(t))
+    OutputEffect    alters what compared sensors say
+
+One effect is one file in `library/`, or a class of another package; the diagnosis sees it as a point in the space of
+its parameters, each scaled as `Parameter` says.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from boom_mj.effects.parameter import Parameter
+from boom_mj.effects.site import Location, Site
+from boom_mj.errors import EffectError
+from boom_mj.recording import Signal
+
+if TYPE_CHECKING:
+    import mujoco
+
+    from boom_mj.machine import Machine
+
+Array = np.ndarray
+Values = Mapping[str, float]
+INVERSIONS = 8  # of an angle sensor's error, a hundredth of it or less from one to the next
+Cause = tuple[str, tuple[tuple[str, int | str], ...]]  # id and site, without sizes
+
+
+@dataclass(frozen=True, eq=False, repr=False, init=False)
+class Effect(ABC):
+    """Common to all kinds: a name, where it can be, parameters, what it is confused with and what tells them apart.
+
+    Attributes:
+        at: keys of the sites where it may be, such as ("link", "axis"); () is the machine as a whole.
+        needs: tags that a site must have.
+        table: parameters by name, where they are the same at every site.
+        confused_with: ids of what looks alike.
+        special_cases: ids of effects that it becomes at some of its values.
+        separating_experiment: that tells it from those: of the catalogue, or in words.
+        sizes: scaled, at which screening looks; several, and both signs, where the effect is not smooth.
+        grid_start: scaled, between which a fit is begun at the least cost, where it has many minima.
+        competes: whether it can be a cause; what every log has, such as a zero offset, is estimated along instead.
+        site, values: of this instance; parameters left out are neutral.
+    """
+
+    id: ClassVar[str]
+    at: ClassVar[tuple[str, ...]] = ()
+    needs: ClassVar[frozenset[str]] = frozenset()
+    table: ClassVar[Mapping[str, Parameter]] = {}
+    confused_with: ClassVar[tuple[str, ...]] = ()
+    special_cases: ClassVar[tuple[str, ...]] = ()
+    separating_experiment: ClassVar[str] = ""
+    sizes: ClassVar[tuple[float, ...]] = (1.0,)
+    grid_start: ClassVar[tuple[float, ...]] = ()
+    competes: ClassVar[bool] = True
+
+    site: Site
+    values: Values
+
+    def __init__(self, site: Site | None = None, **values: float) -> None:
+        site = site or Site()
+        declared = self.parameters(site)
+        for name, value in values.items():
+            if name not in declared:
+                raise EffectError(f"effect {self.id} has no parameter {name!r}; it has: {', '.join(declared)}")
+            low, high = declared[name].bounds
+            if not low <= value <= high:
+                unit = declared[name].unit
+                raise EffectError(f"effect {self.id}: {name} = {value:g} {unit} is outside [{low:g}, {high:g}]")
+        object.__setattr__(self, "site", site)
+        object.__setattr__(self, "values", {k: float(values.get(k, p.neutral)) for k, p in declared.items()})
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Effect) and self.key == other.key
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __repr__(self) -> str:
+        pairs = [*self.site.key, *((k, f"{v!r}") for k, v in self.values.items())]
+        return f"{self.id}:{','.join(f'{k}={v}' for k, v in pairs)}"
+
+    @property
+    def location(self) -> dict[str, int | str]:
+        """Where it is, as answers say it."""
+        return self.site.location
+
+    @property
+    def declared(self) -> Mapping[str, Parameter]:
+        """Its parameters at its site."""
+        return self.parameters(self.site)
+
+    @property
+    def cause(self) -> Cause:
+        """What and where, without sizes: equal for equal causes."""
+        return self.id, self.site.key
+
+    @property
+    def key(self) -> tuple[Any, ...]:
+        """Id, site and values, by which effects are equal."""
+        return *self.cause, tuple(sorted(self.values.items()))
+
+    def basis(self, time_s: float) -> "Effect | None":
+        """Where part of what it does follows an input in time that no log tells: it with a unit of that input instead.
+
+        The unit is a hat that rises from 0 to 1 within `latent_input.KNOT_S` before the time and falls as fast.
+        """
+        return None
+
+    def with_latent(self, strength: float) -> dict[str, float]:
+        """What its parameters are if a latent input of this strength (standard deviation in units) comes on top."""
+        return {}
+
+    @property
+    def latent_limit(self) -> float:
+        """Strength of the latent inputs that its values allow."""
+        return 0.0
+
+    @classmethod
+    def parameters(cls, site: Site) -> Mapping[str, Parameter]:
+        """Parameters by name, with bounds and typical sizes at a site."""
+        return cls.table
+
+    @classmethod
+    def allowed(cls, sites: Sequence[Site]) -> tuple[Site, ...]:
+        """Of a machine's sites those where the effect can be."""
+        return tuple(site for site in sites if site.keys == cls.at and cls.needs <= site.tags)
+
+    @classmethod
+    def free(cls, site: Site) -> tuple[str, ...]:
+        """Parameters that a fit may change at a site."""
+        return tuple(cls.parameters(site))
+
+    @classmethod
+    def screening(cls, site: Site, lines_hz: Sequence[float] = ()) -> list[list[dict[str, float]]]:
+        """Where screening looks: alternatives, each of one or more values whose effects add up linearly.
+
+        Args:
+            lines_hz: frequencies that stand out of the residual.
+        """
+        declared = cls.parameters(site)
+        return [[{name: declared[name].value(size)} for name in cls.free(site)] for size in cls.sizes]
+
+    @classmethod
+    def combine(cls, site: Site, points: Sequence[Values], weights: Array) -> dict[str, float]:
+        """Values whose effect is, to first order, the weighted sum (weights (k,)) of those of screening points."""
+        declared, scaled = cls.parameters(site), dict[str, float]()
+        for point, weight in zip(points, weights):
+            for name, value in point.items():
+                scaled[name] = scaled.get(name, 0.0) + weight * declared[name].coordinate(value)
+        return {name: declared[name].value(c) for name, c in scaled.items()}
+
+
+class ModelEffect(Effect):
+    """An effect that MuJoCo simulates by itself."""
+
+    @abstractmethod
+    def edit(self, spec: "mujoco.MjSpec", machine: Any) -> None:
+        """Change the specification in place; neutral values change no byte.
+
+        Args:
+            machine: the boom's `Machine`; None of any other MJCF file.
+        """
+
+
+@dataclass(frozen=True)
+class Motion:
+    """How a machine moves, as effects that push see it.
+
+    Attributes:
+        time: (n,), s, from the start of the recording.
+        position, speed: of joints by name, (n,).
+        load: what the actuators of joints exert, by name, (n,).
+        machine: the boom's, None of any other MJCF file.
+    """
+
+    time: Array
+    position: Mapping[str, Array] = field(default_factory=dict)
+    speed: Mapping[str, Array] = field(default_factory=dict)
+    load: Mapping[str, Array] = field(default_factory=dict)
+    machine: "Machine | None" = None
+
+    @property
+    def boom(self) -> "Machine":
+        """The machine of a boom's effect."""
+        assert self.machine is not None
+        return self.machine
+
+    @property
+    def joints(self) -> Array:
+        """Positions, (n, k)."""
+        return np.stack(list(self.position.values()), axis=1)
+
+
+class ForceEffect(Effect):
+    """An effect that pushes."""
+
+    @abstractmethod
+    def force(self, motion: Motion) -> Mapping[str, Array]:
+        """By name of a site: (n, 3), world frame, N; by name of a joint: (n,), N or N m."""
+
+
+class ResistEffect(ForceEffect):
+    """A force that opposes a joint's motion, by its measured speed."""
+
+    at = ("joint",)
+    needs = frozenset({"mjcf", "measured"})
+
+    def force(self, motion: Motion) -> Mapping[str, Array]:
+        joint = str(self.site.location["joint"])
+        return {joint: -self.resist(motion.speed[joint], motion.load[joint])}
+
+    @abstractmethod
+    def resist(self, speed: Array, load: Array) -> Array:
+        """Resisting force, positive against positive speed, (n,); load is what the actuator exerts without it."""
+
+
+class InputEffect(Effect):
+    """An effect between an input's true value u and what is logged of it or commanded for it."""
+
+    @abstractmethod
+    def apply(self, time: Array, true: Array) -> Array:
+        """What comes out: read by an angle sensor, logged by a channel, done by an actuator, (n,)."""
+
+    @abstractmethod
+    def invert(self, time: Array, read: Array) -> Array:
+        """What went in, (n,)."""
+
+
+class AngleEffect(InputEffect):
+    """An error of a boom's joint angle sensor, which reads u + error(u); errors of one joint add up."""
+
+    at = ("joint",)
+    needs = frozenset({"boom"})
+
+    @abstractmethod
+    def error(self, angle: Array) -> Array:
+        """Reading less true angle, (n,), rad, at true angles (n,); small against the angles it varies over."""
+
+    def apply(self, time: Array, true: Array) -> Array:
+        return true + self.error(true)
+
+    def invert(self, time: Array, read: Array) -> Array:
+        true = read
+        for _ in range(INVERSIONS):
+            true = read - self.error(true)
+        return true
+
+
+class ActuatorEffect(InputEffect):
+    """What an actuator of any MJCF machine makes of its command."""
+
+    at = ("actuator",)
+    needs = frozenset({"mjcf"})
+
+
+class OutputEffect(Effect):
+    """An effect of compared sensors alone."""
+
+    @abstractmethod
+    def observe(self, signals: Mapping[str, Signal], machine: Any) -> Mapping[str, Signal]:
+        """The signals that it changes, as the affected sensors give them; all come densely sampled, without noise.
+
+        Args:
+            machine: the boom's `Machine`; None of any other MJCF file.
+        """
+
+
+class ChannelEffect(InputEffect, OutputEffect):
+    """What a channel of any MJCF machine's log makes of the truth: of one that is compared, or of one that drives."""
+
+    at = ("channel",)
+    needs = frozenset({"mjcf"})
+
+    def observe(self, signals: Mapping[str, Signal], machine: Any) -> Mapping[str, Signal]:
+        name = str(self.site.location["channel"])
+        signal = signals[name]
+        return {name: replace(signal, values=self.apply(signal.time, signal.values[:, 0])[:, None])}
+
+
+def is_output(effect: Effect) -> bool:
+    """Whether an effect alters simulated signals only, so that it needs no simulation of its own."""
+    return isinstance(effect, OutputEffect) and "driving" not in effect.site.tags
+
+
+def place(location: Location, sites: Sequence[Site]) -> Site | None:
+    """The site of a location whose values read alike, None where there is none."""
+    wanted = {key: str(value) for key, value in location.items()}
+    return next((s for s in sites if {key: str(value) for key, value in s.key} == wanted), None)

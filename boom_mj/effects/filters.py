@@ -1,0 +1,25 @@
+"""What delays and low-pass filters make of a sampled signal, and the way back."""
+
+import numpy as np
+
+Array = np.ndarray
+
+
+def later(time: Array, values: Array, delay: float) -> Array:
+    """Values that come later by some seconds (earlier, for a negative delay), (n,)."""
+    return np.interp(time - delay, time, values)
+
+
+def lagged(time: Array, values: Array, constant: float) -> Array:
+    """Through a first-order low-pass with some time constant, s, from rest, (n,); exact for uniform times."""
+    if constant <= 0 or len(time) < 2:
+        return values
+    from scipy.signal import lfilter
+
+    keep = np.exp(-(time[1] - time[0]) / constant)
+    return lfilter([1 - keep], [1, -keep], values, zi=[keep * values[0]])[0]
+
+
+def led(time: Array, values: Array, constant: float) -> Array:
+    """What a first-order low-pass has made these values of, (n,)."""
+    return values if constant <= 0 else values + constant * np.gradient(values, time)

@@ -1,0 +1,25 @@
+"""An actuator that pushes without being told to."""
+
+from collections.abc import Mapping
+
+from boom_mj.effects.base import ActuatorEffect, Array
+from boom_mj.effects.parameter import Parameter
+from boom_mj.effects.site import Site
+
+
+class ActuatorBias(ActuatorEffect):
+    """An actuator that pushes without being told to: offset of its amplifier, or a constant force on its joint."""
+
+    id = "actuator_bias"
+    confused_with = ("asymmetric_friction", "gravity_direction", "sensor_offset")
+    separating_experiment = "motions both ways"
+
+    @classmethod
+    def parameters(cls, site: Site) -> Mapping[str, Parameter]:
+        return {"offset": Parameter(site.unit, 0.0, -5 * site.value, 5 * site.value, 0.05 * site.value)}
+
+    def apply(self, time: Array, true: Array) -> Array:
+        return true + self.values["offset"]
+
+    def invert(self, time: Array, read: Array) -> Array:
+        return read - self.values["offset"]

@@ -1,0 +1,28 @@
+"""Rotor inertia (or mass) of a joint's drive, reflected through its gears, beyond that of the model."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import mujoco
+
+from boom_mj.effects.base import ModelEffect
+from boom_mj.effects.parameter import Parameter
+from boom_mj.effects.site import Site
+
+
+class Armature(ModelEffect):
+    """Rotor inertia (or mass) of a joint's drive, reflected through its gears, beyond that of the model."""
+
+    id = "armature"
+    at = ("joint",)
+    needs = frozenset({"mjcf"})
+    confused_with = ("body_mass", "payload", "actuator_gain", "series_compliance", "sprung_inertia")
+    separating_experiment = "fast and slow accelerations"
+
+    @classmethod
+    def parameters(cls, site: Site) -> Mapping[str, Parameter]:
+        unit, size = "kg" if site.unit == "m" else "kg m^2", 0.1 * site.inertia
+        return {"inertia": Parameter(unit, 0.0, -site.armature, 200 * size, size)}
+
+    def edit(self, spec: mujoco.MjSpec, machine: Any) -> None:
+        spec.joint(str(self.location["joint"])).armature += self.values["inertia"]

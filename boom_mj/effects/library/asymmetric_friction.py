@@ -1,0 +1,37 @@
+"""Dry friction of a joint that differs between the directions."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import mujoco
+
+from boom_mj.effects.base import ModelEffect
+from boom_mj.effects.parameter import Parameter
+from boom_mj.effects.site import Site
+from boom_mj.effects.spec_edits import add_constant_force, add_friction
+
+
+class AsymmetricFriction(ModelEffect):
+    """Dry friction of a joint that differs between the directions.
+
+    With levels F+ and F- it is the same as friction (F+ + F-)/2 and a constant force -(F+ - F-)/2, sticking included.
+    """
+
+    id = "asymmetric_friction"
+    at = ("joint",)
+    needs = frozenset({"mjcf"})
+    sizes = (0.3, 1.0, 3.0)
+    special_cases = ("coulomb_friction",)
+    confused_with = ("coulomb_friction", "actuator_bias")
+    separating_experiment = "motions both ways"
+
+    @classmethod
+    def parameters(cls, site: Site) -> Mapping[str, Parameter]:
+        knob = Parameter(site.force_unit, 0.0, 0.0, 20 * site.value, 0.1 * site.value)
+        return {"forward": knob, "backward": knob}
+
+    def edit(self, spec: mujoco.MjSpec, machine: Any) -> None:
+        forward, backward = self.values["forward"], self.values["backward"]
+        add_friction(spec, str(self.location["joint"]), (forward + backward) / 2)
+        if forward != backward:
+            add_constant_force(spec, str(self.location["joint"]), -(forward - backward) / 2)

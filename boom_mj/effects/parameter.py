@@ -1,0 +1,46 @@
+"""A number that an effect takes, and how a fit sees it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number that an effect takes.
+
+    A fit sees it scaled, c = 0 neutral and |c| = 1 a size worth finding:
+
+        c = (p - p0) / s     "linear",            c = s / p     "inverse": a stiffness, neutral where it is infinite.
+
+    Attributes:
+        unit: SI unit.
+        neutral: value at which the effect vanishes.
+        low, high: bounds, the neutral value among them.
+        typical: distance from neutral that is worth finding; for an inverse one, the value itself.
+        inverse: whether its reciprocal is what acts (stiffness of something that nominally does not give).
+    """
+
+    unit: str
+    neutral: float
+    low: float
+    high: float
+    typical: float
+    inverse: bool = False
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Least and largest value."""
+        return self.low, self.high
+
+    def coordinate(self, value: float) -> float:
+        """A value scaled: 0 neutral, 1 typical."""
+        return self.typical / value if self.inverse else (value - self.neutral) / self.typical
+
+    def value(self, coordinate: float) -> float:
+        """The value of a scaled one, kept within the bounds."""
+        if self.inverse:
+            found = self.typical / coordinate if coordinate > 0 else np.inf
+        else:
+            found = self.neutral + coordinate * self.typical
+        return float(np.clip(found, self.low, self.high))

@@ -1,0 +1,129 @@
+"""Places of a MuJoCo specification, found by their names, and what effects do to them."""
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+import mujoco
+import numpy as np
+
+from boom_mj.machine import Machine
+
+ARMATURE = 1.0  # kg m^2, far below any link, so that a mass matrix without the drive's own stays regular
+SLIM = 1e-3  # armature of a series joint over the inertia behind it
+SEATS = ("payload", "tip", "attachment_site")  # sites where a payload is carried
+
+
+def link_bodies(spec: mujoco.MjSpec, link: int) -> list[mujoco.MjsBody]:
+    """Rigid segments of a link, root outward."""
+    found, number = [spec.body(f"link{link}")], 2
+    while (body := spec.body(f"link{link}_{number}")) is not None:
+        found.append(body)
+        number += 1
+    return found
+
+
+def link_hinges(spec: mujoco.MjSpec, link: int, axis: str) -> list[mujoco.MjsJoint]:
+    """Equivalent hinges of one coordinate (v, w or torsion) of a link, root outward."""
+    found: list[mujoco.MjsJoint] = []
+    while (joint := spec.joint(f"link{link}_{axis}_{len(found) + 1}")) is not None:
+        found.append(joint)
+    return found
+
+
+def elastic_hinges(spec: mujoco.MjSpec, machine: Machine) -> Iterator[mujoco.MjsJoint]:
+    """Every equivalent hinge."""
+    for number in range(2, 2 + len(machine.links)):
+        for axis in ("v", "w", "torsion"):
+            yield from link_hinges(spec, number, axis)
+
+
+def stretches(spec: mujoco.MjSpec, machine: Machine, link: int) -> list[tuple[mujoco.MjsBody, float, float]]:
+    """Segments of a link with the x between which they lie, m."""
+    bodies, hinges = link_bodies(spec, link), link_hinges(spec, link, "v")
+    cuts = [-machine.links[link - 2].length, *(float(hinge.pos[0]) for hinge in hinges), 0.0]
+    return [(body, start, stop) for body, (start, stop) in zip(bodies, pairwise(cuts))]
+
+
+def add_series_hinge(spec: mujoco.MjSpec, joint: int, name: str) -> mujoco.MjsJoint:
+    """A free hinge between a drive and the link that it turns, about the same axis."""
+    drive = spec.joint(f"joint{joint}")
+    return drive.parent.add_joint(name=name, pos=drive.pos, axis=drive.axis, armature=ARMATURE)
+
+
+def chain(spec: mujoco.MjSpec, link: str) -> list[mujoco.MjsJoint]:
+    """Sprung joints LINK/1, LINK/2, ... that stand for the bending of a flexible link, root outward."""
+    found: list[mujoco.MjsJoint] = []
+    while (joint := spec.joint(f"{link}/{len(found) + 1}")) is not None:
+        found.append(joint)
+    return found
+
+
+def add_friction(spec: mujoco.MjSpec, joint: str, force: float) -> None:
+    """Dry friction of a joint, N or N m, with a constraint so stiff that it creeps little."""
+    if force:
+        rubbing = spec.joint(joint)
+        rubbing.frictionloss += force
+        rubbing.solref_friction = (2 * spec.option.timestep, 1.0)
+        rubbing.solimp_friction = (0.99, 0.999, 0.001, 0.5, 2.0)
+
+
+def add_constant_force(spec: mujoco.MjSpec, joint: str, force: float) -> None:
+    """A force on a joint that is always there, N or N m."""
+    push = spec.add_actuator(name=f"push/{joint}", target=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT)
+    push.gaintype, push.biastype = mujoco.mjtGain.mjGAIN_FIXED, mujoco.mjtBias.mjBIAS_AFFINE
+    push.gainprm[0], push.biasprm[0] = 0.0, force
+
+
+def add_series_joint(spec: mujoco.MjSpec, joint: str, kind: str, half_gap: float = 0.0, stiffness: float = 0.0) -> None:
+    """A joint behind another of the same axis: free within a gap, or sprung with critical damping over four."""
+    drive = spec.joint(joint)
+    behind = _inertia(spec, joint)
+    series = drive.parent.add_joint(name=f"{joint}/{kind}", type=drive.type, pos=drive.pos, axis=drive.axis)
+    series.armature = SLIM * behind
+    if half_gap:
+        series.limited, series.range = mujoco.mjtLimited.mjLIMITED_TRUE, (-half_gap, half_gap)
+        series.solref_limit = (2 * spec.option.timestep, 1.0)
+    if stiffness:
+        series.stiffness[0], series.damping[0] = stiffness, 0.5 * np.sqrt(stiffness * behind)
+
+
+def _inertia(spec: mujoco.MjSpec, joint: str) -> float:
+    """That a joint turns (or moves), as compiled, without its own armature."""
+    model = spec.copy().compile()
+    data, mass = mujoco.MjData(model), np.zeros((model.nv, model.nv))
+    mujoco.mj_forward(model, data)
+    mujoco.mj_fullM(model, data, mass)
+    dof = model.joint(joint).dofadr[0]
+    return max(float(mass[dof, dof] - model.dof_armature[dof]), 1e-9)
+
+
+def scale_mass(body: mujoco.MjsBody, factor: float) -> None:
+    """Mass and inertia of a body by a factor, whether it has them itself or from its geoms."""
+    if body.explicitinertial:
+        body.mass *= factor
+        body.inertia = np.asarray(body.inertia) * factor
+        if np.isfinite(body.fullinertia).all():
+            body.fullinertia = np.asarray(body.fullinertia) * factor
+        return
+    for geom in body.geoms:
+        geom.density *= factor
+        if np.isfinite(geom.mass):
+            geom.mass *= factor
+
+
+def add_mass(spec: mujoco.MjSpec, body: str, mass: float) -> None:
+    """A point mass (a ball of 1 mm) carried by a body."""
+    host = spec.body(body)
+    seats = [site.pos for site in host.sites if site.name.rpartition("/")[2] in SEATS]
+    place = seats[0] if seats else spec.copy().compile().body(body).ipos
+    load = host.add_body(name=f"{body}/payload", pos=np.array(place))
+    load.mass, load.ipos, load.inertia, load.explicitinertial = mass, np.zeros(3), np.full(3, mass * 4e-7), True
+
+
+def turn_gravity(spec: mujoco.MjSpec, roll: float, pitch: float) -> None:
+    """Gravity in a base that is turned about its x, then its y, rad."""
+    if roll or pitch:
+        (x, y, z), c, s = spec.option.gravity, np.cos, np.sin
+        y, z = c(roll) * y + s(roll) * z, -s(roll) * y + c(roll) * z
+        x, z = c(pitch) * x - s(pitch) * z, s(pitch) * x + c(pitch) * z
+        spec.option.gravity = (x, y, z)

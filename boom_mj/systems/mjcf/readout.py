@@ -1,0 +1,86 @@
+"""What goes into a stretch of a log's simulation, and what its run says in the channels of the map."""
+
+import mujoco
+import numpy as np
+
+from boom_mj.effects import Effect, ForceEffect, InputEffect, Motion
+from boom_mj.recording import Recording
+from boom_mj.systems.mjcf.channel_map import ChannelEntry, ChannelMap
+from boom_mj.systems.mjcf.rollout import Inputs, Run, joint_of
+
+Array = np.ndarray
+Hypothesis = tuple[Effect, ...]
+
+
+def inputs_of(
+    spec: mujoco.MjSpec, channels: ChannelMap, hypothesis: Hypothesis, log: Recording, begin: float, time: Array
+) -> Inputs:
+    """What drives a stretch that begins at a log's time, at the steps of the simulation, under effects."""
+    path, command, force = {}, {}, {}
+    for entry in channels.role("drive"):
+        values = log[entry.name].values[:, 0]
+        clock = log[entry.name].time - begin
+        for effect in _at(hypothesis, "channel", entry.name):
+            values = effect.invert(clock, values)
+        path[entry.joint] = _spline(clock, values, time)
+    for entry in channels.role("control"):
+        clock = log[entry.name].time - begin
+        values = np.interp(time, clock, log[entry.name].values[:, 0])
+        for effect in _at(hypothesis, "actuator", entry.actuator):
+            values = effect.apply(time, values)
+        command[entry.actuator] = values
+    for joint in pushed(hypothesis, channels):
+        motion = log[f"motion/{joint}"]
+        position = _spline(motion.time - begin, motion.values[:, 0], time)
+        speed = np.gradient(position, time)
+        load = sum((command[a] for a in command if joint_of(spec, a) == joint), np.zeros(len(time)))
+        moving = Motion(time, {joint: position}, {joint: speed}, {joint: load})
+        force[joint] = np.sum([effect.force(moving)[joint] for effect in _forces(hypothesis, joint)], axis=0)
+    start = {
+        name.removeprefix("start/"): (float(signal.values[0, 0]), float(signal.values[0, 1]))
+        for name, signal in log.signals.items()
+        if name.startswith("start/")
+    }
+    return Inputs(time, path, command, force, {joint: state for joint, state in start.items() if joint not in path})
+
+
+def said(
+    entry: ChannelEntry, run: Run, model: mujoco.MjModel, spec: mujoco.MjSpec, channels: ChannelMap, effects: Hypothesis
+) -> Array:
+    """What a run says in a compared channel, (n,), before the channel's own effects."""
+    if entry.sensor:
+        sensor = model.sensor(entry.sensor)
+        return run.sensordata[:, sensor.adr[0] + entry.component]
+    if entry.joint:
+        return (run.position if entry.what == "position" else run.velocity)[entry.joint]
+    joint = joint_of(spec, entry.actuator)
+    if joint not in channels.driven:
+        return run.force[entry.actuator]
+    force = run.force[joint]
+    for effect in _forces(effects, joint):
+        moving = Motion(run.time, {joint: run.position[joint]}, {joint: run.velocity[joint]}, {joint: force})
+        force = force - effect.force(moving)[joint]
+    for motor in reversed(_at(effects, "actuator", entry.actuator)):
+        force = motor.invert(run.time, force)
+    return force
+
+
+def pushed(hypothesis: Hypothesis, channels: ChannelMap) -> tuple[str, ...]:
+    """Joints that effects push: those that are not driven."""
+    joints = {str(e.location["joint"]) for e in hypothesis if isinstance(e, ForceEffect)}
+    return tuple(sorted(joints - set(channels.driven)))
+
+
+def _at(hypothesis: Hypothesis, key: str, name: str) -> list[InputEffect]:
+    return [e for e in hypothesis if isinstance(e, InputEffect) and e.location.get(key) == name]
+
+
+def _forces(hypothesis: Hypothesis, joint: str) -> list[ForceEffect]:
+    return [e for e in hypothesis if isinstance(e, ForceEffect) and e.location.get("joint") == joint]
+
+
+def _spline(time: Array, values: Array, at: Array) -> Array:
+    """Smooth values between samples, and up to a step beyond: a cubic spline, whose second derivative does not jump."""
+    from scipy.interpolate import CubicSpline
+
+    return CubicSpline(time, values)(at)
