@@ -21,7 +21,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from boom_mj.effects import Effect, parse_effect
+from boom_mj.effects import Effect, Equipped, parse_effect
 from boom_mj.errors import EquilibriumError, InputError, SimulationError
 from boom_mj.files import locked, read_json, write_text
 from boom_mj.logs import write_mcap
@@ -188,7 +188,9 @@ def run_sweep(
         waiting = [point for point in sweep.points() if not _row(folder, point).exists()]
         done = len(sweep) - len(waiting)
         yield done, None
-        for ended in spread(partial(simulate_point, sweep=sweep, folder=folder.resolve()), waiting, jobs, cluster):
+        for ended in spread(
+            Equipped(partial(simulate_point, sweep=sweep, folder=folder.resolve())), waiting, jobs, cluster
+        ):
             if ended.error is None:
                 write_text(_row(folder, ended.item), json.dumps(ended.result(), indent=1) + "\n")
             done += 1

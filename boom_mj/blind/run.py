@@ -14,6 +14,7 @@ from pathlib import Path
 from boom_mj.blind.sandbox import confined_to
 from boom_mj.diagnosis.answer import document
 from boom_mj.diagnosis.diagnose import diagnose
+from boom_mj.effects import Equipped, effect_library
 from boom_mj.errors import InputError
 from boom_mj.files import locked, read_bytes, read_json, read_text, write_text
 from boom_mj.logs import read_log
@@ -50,7 +51,9 @@ def answer_cases(
         jobs, cluster: see `spread`.
     """
     with locked(answers):
-        for done in spread(partial(solve, machine=machine), [case.resolve() for case in cases], jobs, cluster):
+        for done in spread(
+            Equipped(partial(solve, machine=machine)), [case.resolve() for case in cases], jobs, cluster
+        ):
             try:
                 write_text(answers / f"{done.item.name}.json", done.result())
             except Exception as error:  # one bad case must not end the campaign
@@ -62,6 +65,7 @@ def answer_cases(
 def solve(case: Path, machine: str) -> str:
     """The answer to one case as JSON, by a process that can open nothing but the case."""
     began = time.perf_counter()
+    effect_library()  # of other packages, too, before the door shuts
     with confined_to(case):
         without = tuple(read_json(case / "withhold.json", InputError)["without"])
         predictor = predictor_of(case, machine)

@@ -3,7 +3,7 @@
 Written down here and nowhere else; none is registered, so that no candidate list ever contains one.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import mujoco
@@ -12,6 +12,7 @@ from scipy.signal import lfilter
 
 from boom_mj.effects.base import Effect, ForceEffect, ModelEffect, Motion, OutputEffect
 from boom_mj.effects.parameter import Parameter
+from boom_mj.effects.site import Site
 from boom_mj.effects.spec_edits import link_hinges
 from boom_mj.machine import Machine
 from boom_mj.recording import Signal
@@ -41,12 +42,17 @@ class BreathingCrack(ModelEffect):
     """A crack near a link's root that opens on one side only: the first hinge is softer beyond a threshold angle."""
 
     id = "breathing_crack"
-    places = {"link": (2, 3, 4)}
+    at = ("link",)
+    needs = frozenset({"boom"})
     table = {
         "loss": Parameter("1", 0.0, 0.0, 0.9, 0.4),
         "threshold": Parameter("rad", 0.0, -0.02, 0.0, 0.002),
     }
     confused_with = ("link_stiffness", "hydraulic_compliance")
+
+    @classmethod
+    def allowed(cls, sites: Sequence[Site]) -> tuple[Site, ...]:
+        return tuple(site for site in super().allowed(sites) if site.location["link"] != 5)
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         hinge = link_hinges(spec, int(self.location["link"]), "v")[0]
@@ -62,6 +68,7 @@ class MovingSlug(ForceEffect):
     """Concrete that comes and goes at the tip with the strokes: a square wave of weight, half of the time there."""
 
     id = "moving_slug"
+    needs = frozenset({"boom"})
     table = {
         "mass": Parameter("kg", 0.0, 0.0, 500.0, 30.0),
         "period": Parameter("s", 4.0, 1.0, 20.0, 1.0),
@@ -79,7 +86,8 @@ class MistrackedMarker(OutputEffect):
     """A tracker that takes something else for a marker from some time on: the marker jumps and stays off."""
 
     id = "mistracked_marker"
-    places = {"marker": tuple(range(1, 13))}
+    at = ("marker",)
+    needs = frozenset({"boom"})
     table = {
         **{f"offset_{axis}": Parameter("m", 0.0, -5.0, 5.0, 0.2) for axis in "xyz"},
         "since": Parameter("s", 0.0, 0.0, 1e4, 5.0),
@@ -97,6 +105,7 @@ class CameraScale(OutputEffect):
     """Cameras calibrated with a wrong length: all positions are too large by a share."""
 
     id = "camera_scale"
+    needs = frozenset({"boom"})
     table = {"share": Parameter("1", 0.0, -0.2, 0.2, 0.006)}
     confused_with = ("camera_pose",)
 

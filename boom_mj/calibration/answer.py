@@ -8,26 +8,27 @@ from typing import Any
 import numpy as np
 
 from boom_mj.calibration.calibrate import Calibration
-from boom_mj.calibration.evidence import COARSE, FINEST, HINGES
+from boom_mj.calibration.evidence import COARSE, FINE, MIDDLE, model_error, predict
 from boom_mj.calibration.parameters import JOINTS, Setting
 from boom_mj.errors import MachineFileError
+from boom_mj.estimation.intervals import Z95
 from boom_mj.machine import parse_machine
 
-SURE = 1.96  # deviations of a 95 % interval
 DIGITS = 6  # of a value in the file
 
 
 def document(found: Calibration, names: Sequence[str]) -> dict[str, Any]:
     """The answer in plain data: parameters with intervals, zero offsets, what is not told, gaps, features."""
-    refined, evidence = found.refined, found.evidence
-    finer, _ = evidence.fidelity(found.nominal)
-    before = (evidence.measured - evidence.predict([found.nominal], HINGES)[0] - finer) * refined.weight
-    groups = evidence.groups
+    refined, data = found.refined, found.predictor.data
+    finer, _ = model_error(found.predictor, found.nominal)
+    (nominal,) = predict(found.predictor, [found.nominal], MIDDLE)
+    before = (data.measured - nominal - finer) * refined.weight
+    groups = np.repeat([channel.group for channel in data.channels], np.diff(data.offsets))
     gaps = {
         str(group): {"before": _rms(before, groups == group), "after": _rms(refined.residual, groups == group)}
-        for group in dict.fromkeys(groups[evidence.used])
+        for group in dict.fromkeys(groups[data.used])
     }
-    used = evidence.used
+    used = data.used
     return {
         "machine": found.machine.name,
         "sentence": sentence(found),
@@ -45,8 +46,12 @@ def document(found: Calibration, names: Sequence[str]) -> dict[str, Any]:
         "gap": {"before": _rms(before, used), "after": _rms(refined.residual, used), "floor": 1.0, "groups": gaps},
         "provenance": {
             "recordings": list(names),
-            "hinges": {"sensitivities": COARSE, "predictions": HINGES, "correction": FINEST},
-            "simulated_s": evidence.simulated_s,
+            "hinges": {
+                "sensitivities": COARSE.hinges,
+                "predictions": MIDDLE.hinges,
+                "correction": FINE.hinges,
+            },
+            "simulated_s": found.predictor.simulated_s,
             "wall_s": found.duration,
             "status": refined.status,
             "boom_mj": version("boom_mj"),
@@ -62,7 +67,7 @@ def parameters(found: Calibration) -> list[dict[str, Any]]:
     for knob, x, deviation in zip(found.whole.knobs, found.coordinates, found.deviation):
         (parameter,) = knob.parameters
         value, held = parameter.value(found.machine), bool(np.isnan(deviation))
-        low, high = (None if held else value * float(np.exp(x + side * SURE * deviation)) for side in (-1, 1))
+        low, high = (None if held else value * float(np.exp(x + side * Z95 * deviation)) for side in (-1, 1))
         listed.append(
             {
                 "name": parameter.name,
@@ -86,7 +91,7 @@ def sentence(found: Calibration) -> str:
     text = f"{free} of {asked} parameters calibrated" if free < asked else f"All {asked} parameters calibrated"
     text += (
         f"; the least certain is {found.refined.space.names[widest]}, "
-        f"to {SURE * found.refined.deviation[widest]:.1%} (95 %)"
+        f"to {Z95 * found.refined.deviation[widest]:.1%} (95 %)"
     )
     if found.given_up:
         text += f". Not told: {'; '.join(found.given_up)}"
@@ -151,8 +156,8 @@ def _offset(found: Calibration, joint: int) -> dict[str, float]:
     value, deviation = (np.degrees(v[joint - JOINTS]) for v in (found.refined.coordinates, found.refined.deviation))
     return {
         "value": float(value),
-        "low": float(value - SURE * deviation),
-        "high": float(value + SURE * deviation),
+        "low": float(value - Z95 * deviation),
+        "high": float(value + Z95 * deviation),
     }
 
 

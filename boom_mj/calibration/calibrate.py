@@ -7,7 +7,7 @@ from time import perf_counter
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from boom_mj.calibration.evidence import Evidence
+from boom_mj.calibration.evidence import model_error, predictor_of
 from boom_mj.calibration.features import Features, features_of
 from boom_mj.calibration.identify import Identifiability, identify, simplify
 from boom_mj.calibration.parameters import JOINTS, USUAL, Setting, Space, make_space
@@ -16,6 +16,7 @@ from boom_mj.calibration.steps import approach
 from boom_mj.errors import LogError
 from boom_mj.machine import Machine
 from boom_mj.recording import Recording
+from boom_mj.systems.predictor import Predictor
 
 Array = np.ndarray
 
@@ -26,6 +27,7 @@ class Calibration:
 
     Attributes:
         machine: as the file had it.
+        predictor: of its recordings.
         whole: the space of all parameters that were asked for.
         identified: what the data tell of them.
         given_up: sentences about parameters that are held or joined.
@@ -36,7 +38,7 @@ class Calibration:
     """
 
     machine: Machine
-    evidence: Evidence
+    predictor: Predictor
     whole: Space
     identified: Identifiability
     given_up: tuple[str, ...]
@@ -87,13 +89,14 @@ def calibrate(
     with threadpool_limits(1):  # simulations have the cores
         began = perf_counter()
         whole = make_space(machine, kinds)
-        evidence = Evidence(machine, recordings, threads)
-        features = features_of(evidence, Setting(machine))
+        predictor = predictor_of(machine, recordings, threads)
+        tables = [predictor.data.table(index) for index in range(len(recordings))]
+        features = features_of(tables, Setting(machine))
         tell(f"{len(features.rests)} rests and {len(features.releases)} releases in {len(recordings)} recordings")
         begin = approach(features, whole, tell)
         tell(f"sensitivities of {len(whole.knobs)} parameters and {JOINTS} zero offsets")
-        fidelity = evidence.fidelity(whole.at(begin))
-        jacobian = sensitivities(evidence, whole, begin, fidelity[1])
+        error = model_error(predictor, whole.at(begin))
+        jacobian = sensitivities(predictor, whole, begin, error[1])
         identified = identify(jacobian, whole)
         space, given_up = simplify(jacobian, whole)
         for sentence in given_up:
@@ -102,12 +105,12 @@ def calibrate(
             raise LogError(f"these recordings tell nothing of {', '.join(kinds)}")
         gathering = space.gathering(whole)
         share = gathering / gathering.sum(axis=0)
-        refined = refine(evidence, space, share.T @ begin, fidelity, jacobian @ gathering, ROUGH, tell)
+        refined = refine(predictor, space, share.T @ begin, error, jacobian @ gathering, ROUGH, tell)
         tell("again, with the model's own error taken where that has led")
-        fidelity = evidence.fidelity(refined.setting)
-        refined = refine(evidence, space, refined.coordinates, fidelity, refined.weighted(fidelity[1]), tell=tell)
+        error = model_error(predictor, refined.setting)
+        refined = refine(predictor, space, refined.coordinates, error, refined.weighted(error[1].weight), tell=tell)
         found = Calibration(
-            machine, evidence, whole, identified, given_up, features, begin, refined, perf_counter() - began
+            machine, predictor, whole, identified, given_up, features, begin, refined, perf_counter() - began
         )
-        tell(f"done in {found.duration:.0f} s, {evidence.simulated_s:.0f} s simulated: {refined.status}")
+        tell(f"done in {found.duration:.0f} s, {predictor.simulated_s:.0f} s simulated: {refined.status}")
         return found

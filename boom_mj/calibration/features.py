@@ -4,15 +4,16 @@ They need no simulation over time, so that a machine far from its file is soon b
 sensors scatter and what a model without finest hinges lacks.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
-from boom_mj.calibration.evidence import COARSE, HINGES, ORDER, Evidence
+from boom_mj.calibration.evidence import COARSE, MIDDLE, ORDER
 from boom_mj.calibration.parameters import Setting
 from boom_mj.calibration.release import Release, Rest, excited_modes, first_rest, release_of
+from boom_mj.estimation.dataset import Table
 from boom_mj.machine import cylinder_forces
 from boom_mj.simulation import make_plant
 
@@ -68,22 +69,22 @@ class Features:
         }
 
     def correction(self, setting: Setting) -> Values:
-        """What finest hinges would add to the features of a model with COARSE."""
-        fine, coarse = self.of(setting, HINGES), self.of(setting, COARSE)
-        grown = 1 / (1 - (COARSE / HINGES) ** ORDER)
+        """What finest hinges would add to the features of a coarse model."""
+        fine, coarse = self.of(setting, MIDDLE.hinges), self.of(setting, COARSE.hinges)
+        grown = 1 / (1 - (COARSE.hinges / MIDDLE.hinges) ** ORDER)
         return {kind: grown * (fine[kind] - coarse[kind]) for kind in fine}
 
 
-def features_of(evidence: Evidence, nominal: Setting) -> Features:
+def features_of(tables: Sequence[Table], nominal: Setting) -> Features:
     """Features of all recordings.
 
     Args:
         nominal: says near which frequencies to look.
     """
-    plant = make_plant(nominal.machine, COARSE)
-    found = [release_of(blocks, k, plant) for k, blocks in enumerate(evidence.blocks)]
+    plant = make_plant(nominal.machine, COARSE.hinges)
+    found = [release_of(table, k, plant) for k, table in enumerate(tables)]
     releases = tuple(release for release in found if release is not None)
-    begins = [first_rest(blocks) for blocks in evidence.blocks]
+    begins = [first_rest(table) for table in tables]
     rests = (*(rest for rest in begins if rest is not None), *(release.after for release in releases))
     forces = np.array([rest.cylinders for rest in rests]).ravel()
     ratio = [np.hypot(r.decay.damping_deviation, [RATIO, 3 * RATIO]) for r in releases]

@@ -6,10 +6,11 @@ cannot tell apart share a coordinate: their ratio stays what the file says.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from boom_mj.effects import Effect, make_effect
+from boom_mj.effects import Effect, MachineEffect, make_effect
 from boom_mj.errors import InputError
 from boom_mj.machine import Machine
 
@@ -101,12 +102,35 @@ class Knob:
         return f"link{'+'.join(str(p.link) for p in self.parameters)}.{self.kind}"
 
 
+class OtherMachine(MachineEffect):
+    """Another machine file in the place of the nominal one."""
+
+    id = "other_machine"
+    machine: Machine
+
+    def __init__(self, machine: Machine):
+        super().__init__()
+        object.__setattr__(self, "machine", machine)
+
+    @property
+    def key(self) -> tuple[Any, ...]:
+        return self.id, self.machine
+
+    def change(self, machine: Machine) -> Machine:
+        return self.machine
+
+
 @dataclass(frozen=True)
 class Setting:
     """A machine and the zero offsets of its joint sensors, q1..q5, rad: what predicts a recording."""
 
     machine: Machine
     offsets: tuple[float, ...] = (0.0,) * JOINTS
+
+    @property
+    def hypothesis(self) -> tuple[Effect, ...]:
+        """As effects on the nominal machine."""
+        return OtherMachine(self.machine), *self.sensor
 
     @property
     def sensor(self) -> tuple[Effect, ...]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from boom_mj.calibration.evidence import COARSE, Evidence
+from boom_mj.calibration.evidence import COARSE, model_error, predictor_of
 from boom_mj.calibration.identify import NULL, inverse
 from boom_mj.calibration.parameters import USUAL, Setting, Space, make_space
 from boom_mj.calibration.refine import sensitivities
@@ -90,7 +90,7 @@ def plan_next(
             if experiment.name in done or experiment.duration > LONGEST:
                 continue
             try:
-                log = record(run_experiment(make_plant(machine, COARSE), experiment), experiment)
+                log = record(run_experiment(make_plant(machine, COARSE.hinges), experiment), experiment)
                 found[experiment] = have + _information(machine, [log], space, threads)
             except BoomError as error:
                 tell(f"{experiment.name} cannot be: {error}")
@@ -114,8 +114,8 @@ def plan_next(
 
 def _information(machine: Machine, recordings: Sequence[Recording], space: Space, threads: int | None) -> Array:
     """J^T J of recordings about the machine file's values, (size, size)."""
-    evidence = Evidence(machine, recordings, threads)
-    jacobian = sensitivities(evidence, space, np.zeros(space.size), evidence.fidelity(Setting(machine))[1])
+    predictor = predictor_of(machine, recordings, threads)
+    jacobian = sensitivities(predictor, space, np.zeros(space.size), model_error(predictor, Setting(machine))[1])
     return jacobian.T @ jacobian
 
 

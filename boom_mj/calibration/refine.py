@@ -1,7 +1,7 @@
 """The joint refinement: all recordings, all coordinates at once, by scipy's trust-region least squares.
 
 Residuals are whitened: measured less predicted less what finer hinges would add, over noise and model error.
-Predictions have HINGES; their sensitivities are secants with COARSE hinges, and stay while the coordinates do.
+Predictions are of the middle level; sensitivities are secants of the coarse one, and stay while the coordinates do.
 """
 
 from collections.abc import Callable
@@ -10,17 +10,19 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from boom_mj.calibration.evidence import COARSE, HINGES, PACE, Evidence
+from boom_mj.calibration.evidence import COARSE, MIDDLE, predict
 from boom_mj.calibration.identify import covariance
 from boom_mj.calibration.parameters import OFFSET, Setting, Space
+from boom_mj.estimation.bootstrap import gap
+from boom_mj.estimation.dataset import Dataset
 from boom_mj.estimation.intervals import robust_variance
+from boom_mj.estimation.noise import NoiseModel
+from boom_mj.systems.predictor import Predictor
 
 Array = np.ndarray
 NEAR = 0.05  # of a logarithm, within which sensitivities stay
 EVALUATIONS = 15  # of the refinement
 ENOUGH, ROUGH = 0.03, 3.0  # fall of the cost at which it ends: one deviation is a fall of 0.5
-FAILED = 1e3  # whitened residual of a simulation that left the numbers
-WINDOW = 5.0  # s, over which residuals may be correlated
 SYSTEMATIC = 0.3  # share of what the hinges' extrapolation moves that may be wrong, by machines of six hinges
 
 
@@ -60,19 +62,19 @@ class Refined:
         return self.jacobian * (weight / np.where(self.weight > 0, self.weight, 1.0))[:, None]
 
 
-def sensitivities(evidence: Evidence, space: Space, coordinates: Array, weight: Array) -> Array:
-    """Whitened d prediction / d coordinate, (N, size), by secants with COARSE hinges."""
+def sensitivities(predictor: Predictor, space: Space, coordinates: Array, noise: NoiseModel) -> Array:
+    """Whitened d prediction / d coordinate, (N, size), by secants of the coarse level."""
     steps = np.where(coordinates + space.steps <= space.bounds[1], space.steps, -space.steps)
     points = [coordinates, *(coordinates + step * row for step, row in zip(steps, np.eye(space.size)))]
-    base, *moved = evidence.predict([space.at(point) for point in points], COARSE, PACE)
-    return np.stack([np.nan_to_num((m - base) / step) * weight for m, step in zip(moved, steps)], axis=1)
+    base, *moved = predict(predictor, [space.at(point) for point in points], COARSE)
+    return np.stack([np.nan_to_num((m - base) / step) * noise.weight for m, step in zip(moved, steps)], axis=1)
 
 
 def refine(
-    evidence: Evidence,
+    predictor: Predictor,
     space: Space,
     start: Array,
-    fidelity: tuple[Array, Array],
+    error: tuple[Array, NoiseModel],
     jacobian: Array | None = None,
     enough: float = ENOUGH,
     tell: Callable[[str], None] = lambda line: None,
@@ -81,19 +83,18 @@ def refine(
 
     Args:
         start: coordinates, (p,).
-        fidelity: what finer hinges add and the weight of every entry, (N,) both: `Evidence.fidelity` near there.
+        error: what finer hinges add, (N,), and the noise: `model_error` near there.
         jacobian: whitened sensitivities there, (N, p), where they are known.
         enough: fall of the cost at which it ends.
         tell: hears one line per prediction.
     """
-    finer, weight = fidelity
-    secants = _Secants(evidence, space, weight, start, jacobian)
+    (finer, noise), data = error, predictor.data
+    secants = _Secants(predictor, space, noise, start, jacobian)
 
     def residual(coordinates: Array) -> Array:
-        (prediction,) = evidence.predict([space.at(coordinates)], HINGES)
-        white = (evidence.measured - prediction - finer) * weight
-        white = np.where(weight > 0, np.where(np.isfinite(white), white, FAILED), 0.0)
-        tell(f"gap {np.sqrt(np.mean(white[evidence.used] ** 2)):.3f}")
+        (prediction,) = predict(predictor, [space.at(coordinates)], MIDDLE)
+        white = noise.white(data.measured - prediction - finer)
+        tell(f"gap {gap(white, data.used):.3f}")
         secants.hear(coordinates, white)
         return white
 
@@ -105,13 +106,13 @@ def refine(
         lambda coordinates: -secants.at(coordinates),
         (low, high),
         x_scale="jac",
-        ftol=2 * enough / np.count_nonzero(evidence.used),
+        ftol=2 * enough / np.count_nonzero(data.used),
         xtol=1e-7,
         gtol=None,
         max_nfev=EVALUATIONS,
     )
     jacobian = secants.exact
-    deviation, systematic = deviations(evidence, space, jacobian, found.fun, finer * weight)
+    deviation, systematic = deviations(data, space, jacobian, found.fun, finer * noise.weight)
     close = np.minimum(found.x - low, high - found.x) < 1e-3 * np.minimum(1.0, (high - low) / OFFSET)
     return Refined(
         space=space,
@@ -120,7 +121,7 @@ def refine(
         systematic=systematic,
         residual=found.fun,
         jacobian=jacobian,
-        weight=weight,
+        weight=noise.weight,
         at_bound=tuple(name for name, there in zip(space.names, close) if there),
         status=found.message,
     )
@@ -129,9 +130,9 @@ def refine(
 class _Secants:
     """Sensitivities that are taken anew where coordinates have moved far, and follow by Broyden's update where not."""
 
-    def __init__(self, evidence: Evidence, space: Space, weight: Array, at: Array, known: Array | None):
-        self._evidence, self._space, self._weight = evidence, space, weight
-        self.exact = sensitivities(evidence, space, at, weight) if known is None else known
+    def __init__(self, predictor: Predictor, space: Space, noise: NoiseModel, at: Array, known: Array | None):
+        self._predictor, self._space, self._noise = predictor, space, noise
+        self.exact = sensitivities(predictor, space, at, noise) if known is None else known
         self._at, self._updated = at, self.exact
         self._last: tuple[Array, Array] | None = None
         self._heard: tuple[Array, Array] | None = None
@@ -143,7 +144,7 @@ class _Secants:
     def at(self, coordinates: Array) -> Array:
         """d prediction / d coordinate at coordinates whose residual was heard last, (N, p)."""
         if np.max(np.abs(coordinates - self._at)) > NEAR:
-            self.exact = self._updated = sensitivities(self._evidence, self._space, coordinates, self._weight)
+            self.exact = self._updated = sensitivities(self._predictor, self._space, coordinates, self._noise)
             self._at = coordinates.copy()
         elif self._last is not None and self._heard is not None:
             moved = coordinates - self._last[0]
@@ -154,7 +155,7 @@ class _Secants:
         return self._updated
 
 
-def deviations(evidence: Evidence, space: Space, jacobian: Array, residual: Array, finer: Array) -> tuple[Array, Array]:
+def deviations(data: Dataset, space: Space, jacobian: Array, residual: Array, finer: Array) -> tuple[Array, Array]:
     """Standard deviations of the coordinates, and their part from the number of hinges, (p,) both.
 
     H^-1 (sum g g^T) H^-1 with scores g summed over windows and over whole recordings, within which residuals are
@@ -163,8 +164,7 @@ def deviations(evidence: Evidence, space: Space, jacobian: Array, residual: Arra
     """
     inverse = covariance(jacobian)
     score = jacobian * residual[:, None]
-    windows = (evidence.recording_of * (int(max(evidence.time) // WINDOW) + 1) + evidence.time // WINDOW).astype(int)
-    variance = robust_variance(inverse, score, (windows, evidence.recording_of))
+    variance = robust_variance(inverse, score, (data.windows, data.recording_of))
     moved = np.abs(inverse @ (jacobian.T @ np.nan_to_num(finer)))
     for kind in set(space.kinds):
         alike = np.array([other == kind for other in space.kinds])

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from boom_mj.calibration.decay import Decay, fit_decay
-from boom_mj.sensors.blocks import BLOCK, Blocks
+from boom_mj.estimation.dataset import Table
 from boom_mj.simulation import Plant
 from boom_mj.simulation.plant import Vibration
+from boom_mj.systems.boom.system import BLOCK_S
 
 Array = np.ndarray
 MODES = 2  # of a release that are followed
@@ -70,39 +71,39 @@ class Release:
         return float(self.decay.frequency[0]), float(self.decay.damping_ratio[0])
 
 
-def first_rest(blocks: Blocks) -> Rest | None:
+def first_rest(table: Table) -> Rest | None:
     """The rest at the begin of a recording, where there is one."""
-    end = min(_cut(blocks) or np.inf, _motion(blocks))
-    rows = blocks.time < end - BLOCK
-    if np.count_nonzero(rows) * BLOCK < LEAST_REST:
+    end = min(_cut(table) or np.inf, _motion(table))
+    rows = table.time < end - BLOCK_S
+    if np.count_nonzero(rows) * BLOCK_S < LEAST_REST:
         return None
-    inside = blocks.log["joint/position"].time - blocks.start < end - BLOCK
-    joints = np.nanmean(blocks.log["joint/position"].values[inside], axis=0)
-    load = blocks.log["load"].values[0] if "load" in blocks.log else np.zeros(3)
-    return Rest(joints, load, *_cylinders(blocks, *_mean(blocks, rows)))
+    inside = table.log["joint/position"].time - table.start_s < end - BLOCK_S
+    joints = np.nanmean(table.log["joint/position"].values[inside], axis=0)
+    load = table.log["load"].values[0] if "load" in table.log else np.zeros(3)
+    return Rest(joints, load, *_cylinders(table, *_mean(table, rows)))
 
 
-def release_of(blocks: Blocks, index: int, plant: Plant) -> Release | None:
+def release_of(table: Table, index: int, plant: Plant) -> Release | None:
     """What a recording says if its load is cut with the joints at rest; else None.
 
     Args:
         plant: that says near which frequencies to look.
     """
-    cut = _cut(blocks)
-    if cut is None or np.isfinite(_motion(blocks)):
+    cut = _cut(table)
+    if cut is None or np.isfinite(_motion(table)):
         return None
-    before, rows = first_rest(blocks), blocks.time > cut + SETTLED
-    if before is None or np.count_nonzero(rows) * BLOCK < LEAST_DECAY or "markers" not in blocks.log:
+    before, rows = first_rest(table), table.time > cut + SETTLED
+    if before is None or np.count_nonzero(rows) * BLOCK_S < LEAST_DECAY or "markers" not in table.log:
         return None
     free, bent = (plant.static_equilibrium(before.joints, load) for load in (np.zeros(3), before.load))
     strongest, modes = excited_modes(plant, free, bent)
     expected, ratio = modes.frequency[strongest], float(modes.damping_ratio[strongest[0]])
-    decay = fit_decay(blocks.time[rows] - cut, blocks.mean[rows], blocks.noise[rows], expected, ratio)
-    loaded, error = _mean(blocks, blocks.time < cut - BLOCK)
-    markers = [k for k, column in enumerate(blocks.columns) if column.signal == "markers"]
-    after = Rest(before.joints, np.zeros(3), *_cylinders(blocks, decay.constant, decay.constant_deviation))
+    decay = fit_decay(table.time[rows] - cut, table.mean[rows], table.noise[rows], expected, ratio)
+    loaded, error = _mean(table, table.time < cut - BLOCK_S)
+    markers = [k for k, column in enumerate(table.channels) if column.signal == "markers"]
+    after = Rest(before.joints, np.zeros(3), *_cylinders(table, decay.constant, decay.constant_deviation))
     return Release(
-        name=blocks.log.name,
+        name=table.log.name,
         index=index,
         cut=cut,
         before=before,
@@ -127,54 +128,54 @@ def excited_modes(plant: Plant, rest: Array, bent: Array) -> tuple[Array, Vibrat
     return np.argsort(-strength)[:MODES], modes
 
 
-def _mean(blocks: Blocks, rows: Array) -> tuple[Array, Array]:
+def _mean(table: Table, rows: Array) -> tuple[Array, Array]:
     """Means of all channels over some blocks, and their standard deviations, (k,) each."""
-    weight = np.where(np.isfinite(blocks.mean[rows]), 1 / blocks.noise[rows] ** 2, 0.0)
+    weight = np.where(np.isfinite(table.mean[rows]), 1 / table.noise[rows] ** 2, 0.0)
     total = weight.sum(axis=0)
     with np.errstate(invalid="ignore", divide="ignore"):
-        return np.nansum(weight * np.nan_to_num(blocks.mean[rows]), axis=0) / total, 1 / np.sqrt(total)
+        return np.nansum(weight * np.nan_to_num(table.mean[rows]), axis=0) / total, 1 / np.sqrt(total)
 
 
-def _cylinders(blocks: Blocks, mean: Array, deviation: Array) -> tuple[Array, Array]:
-    columns = [k for k, column in enumerate(blocks.columns) if column.signal == "cylinder/force"]
+def _cylinders(table: Table, mean: Array, deviation: Array) -> tuple[Array, Array]:
+    columns = [k for k, column in enumerate(table.channels) if column.signal == "cylinder/force"]
     if not columns:
         return np.full(2, np.nan), np.full(2, np.nan)
     return mean[columns], deviation[columns]
 
 
-def _cut(blocks: Blocks) -> float | None:
+def _cut(table: Table) -> float | None:
     """When the load ends, s; None where it never does."""
-    if "load" not in blocks.log:
+    if "load" not in table.log:
         return None
-    load = blocks.log["load"]
+    load = table.log["load"]
     size = np.linalg.norm(load.values, axis=1)
     fallen = np.flatnonzero(size < size[0] - DROP)
-    return float(load.time[fallen[0]] - blocks.start) if fallen.size else None
+    return float(load.time[fallen[0]] - table.start_s) if fallen.size else None
 
 
-def _motion(blocks: Blocks) -> float:
+def _motion(table: Table) -> float:
     """When the first joint moves, s; infinite where none does."""
-    away = _away(blocks, 0)
+    away = _away(table, 0)
     return float(away[0]) if away.size else np.inf
 
 
-def begin_of_vibration(blocks: Blocks) -> float | None:
+def begin_of_vibration(table: Table) -> float | None:
     """When a load ends or the last joint stops, s; None where neither happens."""
-    cut, stop = _cut(blocks), stop_of(blocks)
+    cut, stop = _cut(table), stop_of(table)
     return cut if stop is None else stop
 
 
-def stop_of(blocks: Blocks) -> float | None:
+def stop_of(table: Table) -> float | None:
     """When the last joint comes to rest, s; None where none moves."""
-    away = _away(blocks, -1)
+    away = _away(table, -1)
     return float(away[-1]) if away.size else None
 
 
-def _away(blocks: Blocks, end: int) -> Array:
+def _away(table: Table, end: int) -> Array:
     """Times at which a joint is not where it is at the begin (0) or the end (-1) of the recording, (m,), s."""
-    joints = blocks.log["joint/position"]
-    path = blocks.log.signals.get("joint_command/position", joints)
+    joints = table.log["joint/position"]
+    path = table.log.signals.get("joint_command/position", joints)
     few = max(1, len(path.time) // 50)
     there = np.nanmean(path.values[:few] if end == 0 else path.values[-few:], axis=0)
     limit = STILL + 4 * np.nanstd(np.diff(path.values, axis=0), axis=0) / np.sqrt(2)
-    return path.time[(np.abs(path.values - there) > limit).any(axis=1)] - blocks.start
+    return path.time[(np.abs(path.values - there) > limit).any(axis=1)] - table.start_s

@@ -65,7 +65,7 @@ def _take(step: Step, features: Features, space: Space, start: Array, correction
     def residual(shares: Array) -> Array:
         coordinates = start.copy()
         coordinates[free] = shares * scale
-        model = features.of(space.at(coordinates), COARSE)
+        model = features.of(space.at(coordinates), COARSE.hinges)
         found = np.concatenate([model[kind] + correction[kind] for kind in step.told_by])
         return np.concatenate([((measured - found) / deviation)[seen], shares])
 

@@ -5,21 +5,23 @@ the strongest mode of what follows. "Uncalibrated" is the machine file as it was
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from boom_mj.calibration.calibrate import Calibration
 from boom_mj.calibration.decay import fit_decay
-from boom_mj.calibration.evidence import FINEST, Evidence
+from boom_mj.calibration.evidence import FINE, predictor_of
 from boom_mj.calibration.parameters import Setting
 from boom_mj.calibration.release import LEAST_DECAY, SETTLED, release_of, stop_of
+from boom_mj.estimation.dataset import Table
 from boom_mj.recording import Recording, named_signal
 from boom_mj.replay import Group, compare
 from boom_mj.sensors import ideal_signals, noise_levels, sample
-from boom_mj.sensors.blocks import Blocks
 from boom_mj.simulation import Plant, Trajectory, make_plant
+from boom_mj.systems.boom import BoomSystem
+from boom_mj.systems.predictor import Predictor
 
 Array = np.ndarray
 SEEN = 0.5  # share of the scatter after a stop that modes must take to count as a vibration
@@ -32,12 +34,12 @@ class Twin:
 
     Attributes:
         motion: the simulation.
-        blocks: its means over the samples that the recording has.
+        table: its means over the samples that the recording has.
         groups: how far log and twin are apart, by channel group, in units of sensor noise.
     """
 
     motion: Trajectory
-    blocks: Blocks
+    table: Table
     groups: tuple[Group, ...]
 
 
@@ -74,7 +76,7 @@ class Validation:
     """
 
     found: Calibration
-    logs: tuple[Blocks, ...]
+    logs: tuple[Table, ...]
     training: int
     twins: tuple[tuple[Twin, Twin], ...]
     comparisons: tuple[Comparison, ...]
@@ -82,19 +84,19 @@ class Validation:
 
 def validate(found: Calibration, held_out: Sequence[Recording] = ()) -> Validation:
     """Compare both machines with all recordings."""
-    logs = [blocks.log for blocks in found.evidence.blocks]
-    evidence = Evidence(found.machine, [*logs, *held_out])
-    machines = (found.nominal, found.setting)
+    seen = found.predictor.data.recordings
+    predictor = predictor_of(found.machine, [*seen, *held_out])
+    tables = tuple(predictor.data.table(index) for index in range(len(predictor.data.recordings)))
     twins = tuple(
-        (_twin(evidence, machines[0], index), _twin(evidence, machines[1], index))
-        for index in range(len(evidence.blocks))
+        (_twin(predictor, found.nominal, table, index), _twin(predictor, found.setting, table, index))
+        for index, table in enumerate(tables)
     )
-    plant = make_plant(found.setting.machine, FINEST)
+    plant = make_plant(found.setting.machine, FINE.hinges)
     rows = (
         _release(plant, index, both, pair) or _stop(plant, index, both, pair)
-        for index, (both, pair) in enumerate(zip(evidence.blocks, twins))
+        for index, (both, pair) in enumerate(zip(tables, twins))
     )
-    return Validation(found, evidence.blocks, len(logs), twins, tuple(row for row in rows if row is not None))
+    return Validation(found, tables, len(seen), twins, tuple(row for row in rows if row is not None))
 
 
 def validation_document(shown: Validation) -> dict[str, Any]:
@@ -134,20 +136,20 @@ def _plain(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def _twin(evidence: Evidence, setting: Setting, index: int) -> Twin:
-    motion = evidence.motion(setting, FINEST, index)
-    blocks, signals = evidence.blocks[index], ideal_signals(motion)
-    log = blocks.log
-    at = {name: log[name].time - blocks.start for name in log.signals if name in signals}
+def _twin(predictor: Predictor, setting: Setting, table: Table, index: int) -> Twin:
+    data, log = predictor.data, table.log
+    motion = BoomSystem(setting.machine).run(setting.sensor, FINE, log)
+    signals = ideal_signals(motion)
+    at = {name: log[name].time - table.start_s for name in log.signals if name in signals}
     sampled = {name: named_signal(name, log[name].time, sample(signals[name], time)) for name, time in at.items()}
     recording = Recording(log.name, log.machine, "simulated twin", sampled)
-    return Twin(
-        motion, replace(blocks, mean=blocks.of(signals)), compare(log, recording, noise_levels(setting.machine))
-    )
+    names = dict.fromkeys(channel.signal for channel in table.channels)
+    means = table.saying(np.concatenate([data.means(index, name, signals[name]) for name in names]))
+    return Twin(motion, means, compare(log, recording, noise_levels(setting.machine)))
 
 
-def _release(plant: Plant, index: int, blocks: Blocks, twins: tuple[Twin, Twin]) -> Comparison | None:
-    found = [release_of(b, index, plant) for b in (blocks, *(twin.blocks for twin in twins))]
+def _release(plant: Plant, index: int, table: Table, twins: tuple[Twin, Twin]) -> Comparison | None:
+    found = [release_of(b, index, plant) for b in (table, *(twin.table for twin in twins))]
     releases = [release for release in found if release is not None]
     if len(releases) < len(found):
         return None
@@ -164,26 +166,26 @@ def _release(plant: Plant, index: int, blocks: Blocks, twins: tuple[Twin, Twin])
     )
 
 
-def _stop(plant: Plant, index: int, blocks: Blocks, twins: tuple[Twin, Twin]) -> Comparison | None:
+def _stop(plant: Plant, index: int, table: Table, twins: tuple[Twin, Twin]) -> Comparison | None:
     """The vibration after a motion that stops: the modes that joint 1 excites."""
-    stop = stop_of(blocks)
-    if stop is None or blocks.time[-1] - stop < 2 * LEAST_DECAY:
+    stop = stop_of(table)
+    if stop is None or table.time[-1] - stop < 2 * LEAST_DECAY:
         return None
-    rest = plant.static_equilibrium(blocks.log["joint/position"].values[-50:].mean(axis=0))
+    rest = plant.static_equilibrium(table.log["joint/position"].values[-50:].mean(axis=0))
     modes = plant.modes(rest)
     pushed = plant.mass_matrix(rest)[np.ix_(plant.elastic, plant.joints[:1])][:, 0]
     strongest = np.argsort(-np.abs(modes.shape.T @ pushed))[:2]
     expected, ratio = modes.frequency[strongest], float(modes.damping_ratio[strongest[0]])
-    rows = blocks.time > stop + SETTLED
+    rows = table.time > stop + SETTLED
     fits = [
         fit_decay(b.time[rows] - stop, b.mean[rows], b.noise[rows], expected, ratio)
-        for b in (blocks, *(twin.blocks for twin in twins))
+        for b in (table, *(twin.table for twin in twins))
     ]
     first = [int(np.argmin(np.abs(np.log(fit.frequency / expected[0])))) for fit in fits]
     if fits[0].share < SEEN:
         return None
     return Comparison(
-        name=blocks.log.name,
+        name=table.log.name,
         direction="slewing",
         index=index,
         fall=np.full(len(fits), np.nan),

@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from boom_mj.effects import load_effects
 from boom_mj.errors import InputError, MachineFileError, SimulationError
 from boom_mj.files import read_text, sweep, write_text
 from boom_mj.machine import Beam, Machine, load_machine, load_model, machine_file
@@ -19,6 +20,24 @@ Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Processes of this mach
 Cluster = Annotated[
     str | None,
     typer.Option(metavar="ADDRESS", help="Dask scheduler whose workers share it instead; they see the same folders."),
+]
+
+
+def _load(paths: list[Path] | None) -> list[Path] | None:
+    for path in paths or ():
+        load_effects(path)
+    return paths
+
+
+EffectFiles = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--effects",
+        metavar="FILE.py",
+        callback=_load,
+        is_eager=True,
+        help="Effects of your own that act and compete like ours; several may be given.",
+    ),
 ]
 
 

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from boom_mj.cli.arguments import Cluster, Jobs, find_machine, machine_text, output_folder, output_path
+from boom_mj.cli.arguments import Cluster, EffectFiles, Jobs, find_machine, machine_text, output_folder, output_path
 from boom_mj.errors import BoomError, InputError, MachineFileError
 from boom_mj.files import read_bytes, read_text, write_text
 
@@ -71,6 +71,7 @@ def run(
         Path | None, typer.Option("-o", metavar="DIR", help="Folder for the answers; DIR-answers if left out.")
     ] = None,
     cluster: Cluster = None,
+    own_effects: EffectFiles = None,
 ) -> None:
     """Diagnose every case that has no answer yet, each by a process that can open nothing but its case.
 

@@ -11,8 +11,8 @@ import typer
 from typer.core import TyperCommand
 
 from boom_mj.cli import blind
-from boom_mj.cli.arguments import find_machine, machine_text, output_folder, output_path
-from boom_mj.effects import BOOM_SITES, effect_library, load_effects
+from boom_mj.cli.arguments import EffectFiles, find_machine, machine_text, output_folder, output_path
+from boom_mj.effects import BOOM_SITES, effect_library
 from boom_mj.errors import InputError
 from boom_mj.files import locked, write_text
 from boom_mj.logs import read_log, write_mcap
@@ -43,7 +43,7 @@ class ManyHoldouts(TyperCommand):
 
 
 @app.command()
-def effects() -> None:
+def effects(own_effects: EffectFiles = None) -> None:
     """List the effect library: physics, parameters, what each is confused with, which experiment tells.
 
     Example: python -m boom_mj gap effects
@@ -111,10 +111,7 @@ def diagnose(
         int | None,
         typer.Option(min=1, metavar="N", help="Most causes of an explanation; what suits the machine if left out."),
     ] = None,
-    effects_files: Annotated[
-        list[Path] | None,
-        typer.Option("--effects", metavar="FILE.py", help="Effects of your own that compete; several may be given."),
-    ] = None,
+    own_effects: EffectFiles = None,
 ) -> None:
     """Say where simulator and logs disagree, which effect causes it, and how far the gap shrinks on held-out logs.
 
@@ -135,8 +132,6 @@ def diagnose(
             output_path(path, suffix)
     if predictions is not None:
         output_folder(predictions)
-    for path in effects_files or ():
-        load_effects(path)
     for name in without or ():
         if name not in effect_library():
             raise InputError(f"--without {name}: the library holds {', '.join(effect_library())}")

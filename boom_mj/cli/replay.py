@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from boom_mj.cli.arguments import Hinges, find_machine, last_states_beside, output_path
+from boom_mj.cli.arguments import EffectFiles, Hinges, find_machine, last_states_beside, output_path
 from boom_mj.errors import InputError
 from boom_mj.logs import load_topic_map, read_log, write_mcap
 from boom_mj.replay import Replay, replay
@@ -30,6 +30,7 @@ def command(
     picture: Annotated[Path | None, typer.Option(metavar="PNG", help="Picture to draw: log and twin overlaid.")] = None,
     hinges: Hinges = 1,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")] = False,
+    own_effects: EffectFiles = None,
 ) -> None:
     """Drive the model with a log's joint angles and known load, and compare every channel group with its noise.
 

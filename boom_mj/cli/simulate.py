@@ -7,7 +7,16 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from boom_mj.cli.arguments import Cluster, Hinges, Jobs, MachineFile, find_machine, last_states_beside, output_path
+from boom_mj.cli.arguments import (
+    Cluster,
+    EffectFiles,
+    Hinges,
+    Jobs,
+    MachineFile,
+    find_machine,
+    last_states_beside,
+    output_path,
+)
 from boom_mj.cli.progress import progress
 from boom_mj.effects import parse_effect
 from boom_mj.errors import BoomError, InputError
@@ -31,6 +40,7 @@ def command(
             help="Effect to add, in SI units; `gap effects` lists them; several may be given.",
         ),
     ] = None,
+    own_effects: EffectFiles = None,
     seed: Annotated[int, typer.Option(help="Seed of the sensor noise.")] = 0,
     scene: Annotated[bool, typer.Option("--scene", help="Add /tf and /scene: a viewer shows the boom moving.")] = False,
     noise: Annotated[bool, typer.Option(help="With the sensor noise of the machine file.")] = True,

@@ -5,6 +5,7 @@ from boom_mj.effects.base import Array as Array
 from boom_mj.effects.base import Effect as Effect
 from boom_mj.effects.base import ForceEffect as ForceEffect
 from boom_mj.effects.base import InputEffect as InputEffect
+from boom_mj.effects.base import MachineEffect as MachineEffect
 from boom_mj.effects.base import ModelEffect as ModelEffect
 from boom_mj.effects.base import Motion as Motion
 from boom_mj.effects.base import OutputEffect as OutputEffect
@@ -12,6 +13,7 @@ from boom_mj.effects.base import ResistEffect as ResistEffect
 from boom_mj.effects.base import Values as Values
 from boom_mj.effects.base import is_output as is_output
 from boom_mj.effects.parameter import Parameter as Parameter
+from boom_mj.effects.registry import Equipped as Equipped
 from boom_mj.effects.registry import builtin as builtin
 from boom_mj.effects.registry import effect_library as effect_library
 from boom_mj.effects.registry import effects_of as effects_of

@@ -4,6 +4,7 @@ An effect is a term with parameters p whose neutral value p0 makes it vanish to 
 recording, so that "off" needs no branch and hypotheses add up. It is plain data: a site and values. What it acts on is
 its type:
 
+    MachineEffect   changes numbers of a boom's machine file
     ModelEffect     edits the MuJoCo specification
     ForceEffect     pushes on sites or joints of the model while it moves
     InputEffect     stands between what is true of an input and what is logged or commanded: y(t) = apply(u(t))
@@ -159,6 +160,14 @@ class Effect(ABC):
             for name, value in point.items():
                 scaled[name] = scaled.get(name, 0.0) + weight * declared[name].coordinate(value)
         return {name: declared[name].value(c) for name, c in scaled.items()}
+
+
+class MachineEffect(Effect):
+    """An effect on numbers of a boom's machine file, before a model is made of it."""
+
+    @abstractmethod
+    def change(self, machine: "Machine") -> "Machine":
+        """The machine with the effect; neutral values give the same one."""
 
 
 class ModelEffect(Effect):

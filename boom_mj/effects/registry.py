@@ -4,9 +4,10 @@ Presence is registration: a module of `library/`, an entry point of the group `b
 a class, a file given to `load_effects`. What cannot be loaded is a warning; two effects of one id are an error.
 """
 
+import pickle
 import sys
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from hashlib import sha256
 from importlib import import_module, util
@@ -14,13 +15,15 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from pkgutil import iter_modules
 from types import ModuleType
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 from boom_mj.effects.base import Effect, place
 from boom_mj.effects.site import BOOM_SITES, Site
 from boom_mj.errors import EffectError, EffectWarning
 from boom_mj.machine import Machine
 
+Item = TypeVar("Item")
+Result = TypeVar("Result")
 GROUP = "boom_mj.effects"
 _files: dict[Path, ModuleType] = {}
 
@@ -55,6 +58,8 @@ def load_effects(path: Path) -> Mapping[str, type[Effect]]:
         EffectError: the file cannot be run, holds no effect, or one whose id is taken.
     """
     path = path.resolve()
+    if path in _files:
+        return _by_id([(str(path), _files[path])])
     name = f"boom_mj_effects_{path.stem}_{sha256(bytes(path)).hexdigest()[:8]}"
     spec = util.spec_from_file_location(name, path)
     if path.suffix != ".py" or spec is None or spec.loader is None or not path.is_file():
@@ -78,9 +83,17 @@ def load_effects(path: Path) -> Mapping[str, type[Effect]]:
     return found
 
 
-def loaded_files() -> tuple[Path, ...]:
-    """Files given to `load_effects`, which other processes need, too."""
-    return tuple(_files)
+class Equipped(Generic[Item, Result]):
+    """Work that can be pickled for other processes, which load the files at hand before they begin."""
+
+    def __init__(self, work: Callable[[Item], Result]):
+        self.files, self.packed = tuple(_files), pickle.dumps(work)
+
+    def __call__(self, item: Item) -> Result:
+        for path in self.files:
+            load_effects(path)
+        work: Callable[[Item], Result] = pickle.loads(self.packed)
+        return work(item)
 
 
 def _by_id(sources: Iterable[tuple[str, Any]]) -> dict[str, type[Effect]]:

@@ -180,6 +180,17 @@ class Dataset:
             vector[self.recording_of == index] = part
         return vector
 
+    def table(self, index: int) -> "Table":
+        """A recording's channels on one grid of blocks."""
+        (_, duration), channels = self.spans[index], tuple(self.of(index))
+        rows = int(np.floor(duration / self.block_s + 1e-6)) + 1
+        noise = np.tile([channel.noise for channel in channels], (rows, 1))
+        for column, channel in enumerate(channels):
+            noise[channel.blocks, column] /= np.sqrt(np.maximum(channel.count, 1))
+        time = (np.arange(rows) + 0.5) * self.block_s
+        empty = Table(self.recordings[index], channels, self.spans[index][0], time, np.zeros((rows, 0)), noise)
+        return empty.saying(np.concatenate([channel.measured for channel in channels]))
+
     def elapsed(self, index: int, signal: str) -> Array:
         """Times of a recording's signal from its start, (n,), s."""
         return self.recordings[index][signal].time - self.spans[index][0]
@@ -197,6 +208,34 @@ class Dataset:
         missing = np.setdiff1d(np.arange(int(elapsed[-1] / block + 1e-6)), block_numbers(elapsed, block))
         elapsed = np.union1d(elapsed, (missing[:, None] * block + within).ravel())
         return block_means(elapsed, sample(dense, elapsed), block)[2].T.ravel()
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Channels of one recording as block means on one grid of times.
+
+    Attributes:
+        log: the recording.
+        channels: k of them.
+        start_s: of the recording.
+        time: middles of the blocks, (n,), s from the start.
+        mean: (n, k); NaN where a channel has no sample.
+        noise: standard deviation of the means, (n, k).
+    """
+
+    log: Recording
+    channels: tuple[Channel, ...]
+    start_s: float
+    time: Array
+    mean: Array
+    noise: Array
+
+    def saying(self, means: Array) -> "Table":
+        """With other means of the blocks that were sampled, channel by channel, (m,)."""
+        mean, first = np.full(self.noise.shape, np.nan), 0
+        for column, channel in enumerate(self.channels):
+            mean[channel.blocks, column] = means[first : (first := first + len(channel.blocks))]
+        return replace(self, mean=mean)
 
 
 def make_dataset(

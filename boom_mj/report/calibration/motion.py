@@ -18,11 +18,11 @@ SHADES = ("#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#5b6270")  # joints, link
 
 
 def section(shown: Validation) -> Section | None:
-    moving = [k for k, blocks in enumerate(shown.logs) if stop_of(blocks) is not None]
+    moving = [k for k, table in enumerate(shown.logs) if stop_of(table) is not None]
     if not moving:
         return None
     index = max(moving, key=lambda k: shown.logs[k].time[-1])
-    blocks, twins = shown.logs[index], shown.twins[index]
+    table, twins = shown.logs[index], shown.twins[index]
     tips = [trace(shown, index, "markers", 33 + axis) for axis in range(3)]
     pictures = []
     if all(tip is not None for tip in tips):
@@ -78,7 +78,5 @@ def section(shown: Validation) -> Section | None:
     )
     pictures.append(Picture("Generalised coordinates of the calibrated machine", "", drawing))
     seen = "not seen in the calibration" if index >= shown.training else "seen in the calibration"
-    text = (
-        f"{blocks.log.name.replace('_', ' ')}, {blocks.time[-1]:.0f} s, {seen}; the logged angles drive the machines."
-    )
+    text = f"{table.log.name.replace('_', ' ')}, {table.time[-1]:.0f} s, {seen}; the logged angles drive the machines."
     return Section("motion", "The longest motion", {"pictures": pictures, "text": text})

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from boom_mj.calibration import Validation
-from boom_mj.calibration.answer import SURE
+from boom_mj.estimation.intervals import Z95
 from boom_mj.report.colours import CORRECTED, FAINT, QUIET
 from boom_mj.report.drawing import draw
 from boom_mj.report.section import Section
@@ -47,21 +47,21 @@ def section(shown: Validation) -> Section:
     rows = []
     for knob, x, deviation in zip(found.whole.knobs, found.coordinates, found.deviation):
         (parameter,) = knob.parameters
-        low, high = (float(np.exp(x + side * SURE * deviation)) for side in (-1, 1))
+        low, high = (float(np.exp(x + side * Z95 * deviation)) for side in (-1, 1))
         value = parameter.value(found.machine)
         digits = digits_of(low, high)
         interval = "held" if np.isnan(deviation) else f"{number(value * low, digits)} to {number(value * high, digits)}"
         words = spaced(parameter.name.replace("_", " ").replace(".", ", "))
         rows.append((words, number(value), number(value * float(np.exp(x)), digits), interval, parameter.unit))
     offsets = [
-        (f"joint {k + 1}", f"{np.degrees(v):+.3f} ± {np.degrees(SURE * s):.3f}")
+        (f"joint {k + 1}", f"{np.degrees(v):+.3f} ± {np.degrees(Z95 * s):.3f}")
         for k, (v, s) in enumerate(zip(found.refined.coordinates[-5:], found.refined.deviation[-5:]))
     ]
 
     def paint(figure: Figure) -> None:
         axes, free = figure.subplots(), len(space.knobs)
         middle = np.exp(found.refined.coordinates[:free])
-        reach = np.exp(SURE * found.refined.deviation[:free])
+        reach = np.exp(Z95 * found.refined.deviation[:free])
         place = np.arange(free)[::-1]
         axes.hlines(place, middle / reach, middle * reach, color=CORRECTED, lw=3)
         axes.plot(middle, place, "o", color=CORRECTED, ms=4.5)

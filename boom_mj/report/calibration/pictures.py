@@ -47,12 +47,12 @@ class Trace:
 
 def trace(shown: Validation, index: int, signal: str, channel: int, factor: float = 1.0) -> Trace | None:
     """A channel of a recording and of its twins; None where it was not recorded."""
-    blocks = shown.logs[index]
-    for column, place in enumerate(blocks.columns):
-        if (place.signal, place.index) == (signal, channel):
-            sources = (blocks, *(twin.blocks for twin in shown.twins[index]))
+    table = shown.logs[index]
+    for column, place in enumerate(table.channels):
+        if (place.signal, place.column) == (signal, channel):
+            sources = (table, *(twin.table for twin in shown.twins[index]))
             measured, *simulated = (factor * source.mean[:, column] for source in sources)
-            return Trace(blocks.time, (measured, simulated[0], simulated[1]))
+            return Trace(table.time, (measured, simulated[0], simulated[1]))
     return None
 
 

@@ -9,7 +9,7 @@ from boom_mj.report.calibration.pictures import LINES, Picture, telling, trace
 from boom_mj.report.colours import MEASURED
 from boom_mj.report.drawing import draw
 from boom_mj.report.section import Section
-from boom_mj.sensors.blocks import BLOCK
+from boom_mj.systems.boom.system import BLOCK_S
 
 WIDTH, HEIGHT = 1080, 230
 AXIS = {"vertical": 1, "horizontal": 2, "slewing": 2}  # of the accelerometer
@@ -24,7 +24,7 @@ def section(shown: Validation) -> Section | None:
         if found is None or begin is None:
             continue
         rows = found.time > begin
-        frequency = np.fft.rfftfreq(LONGER * int(rows.sum()), BLOCK)
+        frequency = np.fft.rfftfreq(LONGER * int(rows.sum()), BLOCK_S)
         power = []
         for values in found.values:
             part = np.nan_to_num(values[rows] - np.nanmean(values[rows]))
@@ -45,7 +45,7 @@ def section(shown: Validation) -> Section | None:
             axes.grid(axis="y")
 
         axis = "xyz"[AXIS[row.direction]]
-        note = f"accelerometer of link 5, {axis}, means over {BLOCK} s"
+        note = f"accelerometer of link 5, {axis}, means over {BLOCK_S} s"
         drawing = draw(
             f"spectrum-{row.direction}", f"Spectrum of the accelerations in {row.name}", WIDTH, HEIGHT, paint
         )

@@ -2,16 +2,26 @@
 
 from collections.abc import Mapping, Sequence
 from threading import Lock
+from typing import Any
 
 import numpy as np
 
-from boom_mj.effects import BOOM_SITES, AngleEffect, Effect, Site, effects_of
+from boom_mj.effects import (
+    BOOM_SITES,
+    AngleEffect,
+    Effect,
+    ForceEffect,
+    MachineEffect,
+    ModelEffect,
+    Site,
+    effects_of,
+)
 from boom_mj.estimation.dataset import Dataset
 from boom_mj.machine import Machine
 from boom_mj.mjcf import BoomModel, build
 from boom_mj.recording import Recording, Signal, sample
 from boom_mj.sensors import apply_sensor_effects, driving_angles, ideal_signals, noise_levels, true_angles
-from boom_mj.simulation import Plant, run, step_times
+from boom_mj.simulation import Plant, Trajectory, run, step_times
 from boom_mj.simulation.plant import with_effects
 from boom_mj.systems.boom import design, residual_force
 from boom_mj.systems.boom.channels import channel_place
@@ -40,7 +50,7 @@ BLOCK_S, CORRELATION_S = 0.1, 5.0
 BANDS_HZ = (("static", 0.2), ("first mode", 0.8), ("second mode", 2.5), ("above", np.inf))
 MAX_CAUSES = 2  # unless asked otherwise
 FIRST = 0.6  # of a recording, where none is held out
-KEPT = 24  # compiled plants
+KEPT = 24  # models, and compiled ones
 
 
 class BoomSystem:
@@ -76,7 +86,7 @@ class BoomSystem:
             line_signal="imu/link5/specific_force",
             provenance={"hinges": {"contest": MIDDLE.hinges, "fidelity": FINE.hinges}},
         )
-        self._booms: dict[Level, BoomModel] = {}
+        self._booms: dict[tuple[Machine, Level], BoomModel] = {}
         self._plants: dict[tuple, Plant] = {}
         self._driven: dict[tuple[int, int], tuple[Recording, Array, Array]] = {}
         self._compiling = Lock()
@@ -91,12 +101,7 @@ class BoomSystem:
         return timeline(log, float(self.levels[DRIVE][0]), BLOCK_S)
 
     def simulate(self, hypothesis: Hypothesis, level: Level, log: Recording) -> dict[str, Signal]:
-        hypothesis = (*effects_of(self.machine), *hypothesis)
-        plant = self._plant(hypothesis, level)
-        joints = log[DRIVE]
-        steps = step_times(plant, float(joints.time[-1] - joints.time[0]))
-        reading, force = self._inputs(steps, log)
-        return ideal_signals(run(plant, true_angles(hypothesis, reading), force))
+        return ideal_signals(self.run(hypothesis, level, log))
 
     def observe(self, hypothesis: Hypothesis, dense: Mapping[str, Signal]) -> dict[str, Signal]:
         return apply_sensor_effects(hypothesis, dict(dense), self.machine)
@@ -130,21 +135,35 @@ class BoomSystem:
             column[rows] = nuisances[rows, joint] / deviation * at / OFFSET_STEP
         return column
 
-    def _plant(self, hypothesis: Hypothesis, level: Level) -> Plant:
+    def run(self, hypothesis: Hypothesis, level: Level, log: Recording) -> Trajectory:
+        """The motion of a recording under effects."""
+        machine = self.machine
+        for effect in hypothesis:
+            if isinstance(effect, MachineEffect):
+                machine = effect.change(machine)
+        hypothesis = (*effects_of(machine), *hypothesis)
+        plant = self._plant(machine, hypothesis, level)
+        joints = log[DRIVE]
+        steps = step_times(plant, float(joints.time[-1] - joints.time[0]))
+        reading, force = self._inputs(steps, log)
+        return run(plant, true_angles(hypothesis, reading), force)
+
+    def _plant(self, machine: Machine, hypothesis: Hypothesis, level: Level) -> Plant:
         """The compiled model of a hypothesis; the last few are kept, for its other recordings."""
-        key = (frozenset(hypothesis), level)
+        mechanical = tuple(effect for effect in hypothesis if isinstance(effect, ModelEffect | ForceEffect))
+        made, key = (machine, level), (machine, level, frozenset(mechanical))
         with self._compiling:
-            if level not in self._booms:
-                self._booms[level] = build(self.machine, level.hinges)
-                self._booms[level].spec.option.timestep *= level.step
+            if made not in self._booms:
+                _make_room(self._booms)
+                self._booms[made] = build(machine, level.hinges)
+                self._booms[made].spec.option.timestep *= level.step
             if key not in self._plants:
-                while len(self._plants) >= KEPT:
-                    self._plants.pop(next(iter(self._plants)))
-                self._plants[key] = plant = with_effects(self._booms[level], hypothesis)
+                _make_room(self._plants)
+                self._plants[key] = plant = with_effects(self._booms[made], mechanical)
                 while not plant.stable(np.zeros(plant.model.nq)):
                     plant.model.opt.timestep /= 2
             plant = self._plants[key]
-        return Plant(plant.boom, plant.model, plant.effects)  # its scratch is its own
+        return Plant(plant.boom, plant.model, hypothesis)  # its scratch is its own
 
     def _inputs(self, steps: Array, log: Recording) -> tuple[Array, Array]:
         """Smooth joint readings and the known load at the steps of the simulation."""
@@ -155,3 +174,8 @@ class BoomSystem:
             force = sample(log["load"], steps + start) if "load" in log else np.zeros((len(steps), 3))
             self._driven[key] = (log, angles, force)
         return self._driven[key][1:]
+
+
+def _make_room(cache: dict[Any, Any]) -> None:
+    while len(cache) >= KEPT:
+        cache.pop(next(iter(cache)))
