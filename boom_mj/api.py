@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from boom_mj import diagnosis
+from boom_mj.diagnosis.clock import Clock
 from boom_mj.estimation.bootstrap import Closure
 from boom_mj.logs import read_log
 from boom_mj.machine import Machine, load_machine
@@ -42,12 +43,16 @@ class Cause:
         location: where it acts, such as {"joint": 3}.
         parameters: its sizes, by name.
         closure_alone: share of the held-out gap that it closes by itself; None where that was not tried.
+        share: of the nominal held-out mean square that it takes; see `diagnosis.budget`.
+        probability: that the machine has it.
     """
 
     id: str
     location: Mapping[str, int | str]
     parameters: Mapping[str, Estimate]
     closure_alone: float | None
+    share: float
+    probability: float
 
 
 @dataclass(frozen=True)
@@ -71,7 +76,7 @@ class Answer:
 
     @property
     def verdict(self) -> str:
-        """consistent, explained, ambiguous or unexplained."""
+        """consistent, explained, ambiguous, partial or unexplained."""
         return self.found.verdict
 
     @property
@@ -88,6 +93,8 @@ class Answer:
                 entry["location"],
                 {name: Estimate(**estimate) for name, estimate in entry["parameters"].items()},
                 entry["closure_alone"],
+                entry["share"],
+                entry["probability"],
             )
             for entry in self.document["effects"]
         )
@@ -115,6 +122,8 @@ def diagnose(
     holdout: Sequence[Log] = (),
     *,
     without: Sequence[str] = (),
+    most: int | None = None,
+    seconds: float | None = None,
     tell: Callable[[str], None] = lambda line: None,
 ) -> Answer:
     """Find what a machine has that its file lacks; `diagnosis.diagnose` asks the same of any system.
@@ -125,6 +134,8 @@ def diagnose(
         holdout: the same, to judge by; the first part of one is learnt from if no other recording shows its gap.
             Without any, the recordings are split in time.
         without: ids of effects that are withheld from the library.
+        most: causes that an explanation may have; 2 if left out.
+        seconds: after which nothing more is refined.
         tell: hears one line per stage, such as `print`.
 
     Raises:
@@ -137,4 +148,4 @@ def diagnose(
     names = tuple(log.name if isinstance(log, Recording) else str(log) for log in logs)
     system = BoomSystem(boom)
     predictor = Predictor(system, dataset_of(system, recordings, len(train)))
-    return Answer(boom, diagnosis.diagnose(predictor, without, tell), names)
+    return Answer(boom, diagnosis.diagnose(predictor, without, Clock(seconds, tell), most), names)

@@ -11,9 +11,11 @@ import time
 from pathlib import Path
 
 from boom_mj.cli.arguments import find_machine
-from boom_mj.diagnosis import Campaign, diagnose, document
+from boom_mj.diagnosis import diagnose, document
 from boom_mj.files import write_text
 from boom_mj.logs import read_log
+from boom_mj.systems.boom import BoomSystem
+from boom_mj.systems.predictor import Predictor, dataset_of
 
 
 def answer_of(case: Path) -> dict:
@@ -21,8 +23,9 @@ def answer_of(case: Path) -> dict:
     began = time.perf_counter()
     train, held_out = (sorted(case.glob(f"{part}/*.mcap")) for part in ("train", "holdout"))
     recordings = [read_log(path) for path in (*train, *held_out)]
-    campaign = Campaign(find_machine(recordings[0].machine), recordings, len(train))
-    found = diagnose(campaign, tell=lambda line: print(f"  {time.perf_counter() - began:6.1f} s  {line}", flush=True))
+    system = BoomSystem(find_machine(recordings[0].machine))
+    predictor = Predictor(system, dataset_of(system, recordings, len(train)))
+    found = diagnose(predictor, tell=lambda line: print(f"  {time.perf_counter() - began:6.1f} s  {line}", flush=True))
     answer = document(found, [path.stem for path in (*train, *held_out)])
     return {**answer, "wall_s": time.perf_counter() - began}
 
@@ -72,7 +75,7 @@ def main() -> None:
         )
     write_text(given.o, "\n".join(rows) + "\n")
     if given.answers:
-        kept_keys = ("verdict", "sentence", "effects", "ties", "unexplained", "next_experiment")
+        kept_keys = ("verdict", "sentence", "effects", "ties", "remainder", "next_experiment")
         short = {n: {**{k: a[k] for k in kept_keys}, "closure": a["gap"]["closure"]} for n, a in answers.items()}
         write_text(given.answers, json.dumps(short, indent=1) + "\n")
 

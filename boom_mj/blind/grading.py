@@ -62,7 +62,7 @@ class Outcome:
 
 def judge_case(case: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -> Outcome:
     """Hold an answer against what was sealed."""
-    solved = answer["verdict"] in ("explained", "ambiguous")
+    solved = answer["verdict"] in ("explained", "ambiguous", "partial")
     true, named = truth["effects"], answer["effects"] if solved else []
     ids, found = sorted(e["id"] for e in true), sorted(e["id"] for e in named)
     tied = _tied(answer)
@@ -92,7 +92,7 @@ def judge_case(case: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -
         wall_s=_number(answer.get("wall_s")),
         reason="" if right and placed else _reason(truth, answer, right),
         suspect="" if solved else _suspects(answer),
-        details=(answer.get("unexplained") or {}).get("where") or answer["sentence"],
+        details=(answer.get("remainder") or answer.get("unexplained") or {}).get("where") or answer["sentence"],
     )
 
 

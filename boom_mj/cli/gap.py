@@ -111,14 +111,19 @@ def diagnose(
         int | None,
         typer.Option(min=1, metavar="N", help="Most causes of an explanation; what suits the machine if left out."),
     ] = None,
+    seconds: Annotated[
+        float | None,
+        typer.Option("--time", min=0, metavar="S", help="Seconds after which nothing more is refined."),
+    ] = None,
     own_effects: EffectFiles = None,
 ) -> None:
     """Say where simulator and logs disagree, which effect causes it, and how far the gap shrinks on held-out logs.
 
     Example: python -m boom_mj gap diagnose a.mcap b.mcap --holdout c.mcap --html gap.html -o corrected.toml
     """
+    from boom_mj.diagnosis import Diagnosis, document, explanation
     from boom_mj.diagnosis import diagnose as find
-    from boom_mj.diagnosis import document, explanation
+    from boom_mj.diagnosis.clock import Clock
     from boom_mj.systems.predictor import Predictor, dataset_of
     from boom_mj.systems.system import Corrects, System
 
@@ -156,7 +161,13 @@ def diagnose(
             raise InputError(f"{paths[0]}: the log does not name its machine; say which with --machine")
         system = BoomSystem(find_machine(name), machine_text(name))
         data, names = dataset_of(system, recordings, len(logs)), [str(path) for path in paths]
-    found = find(Predictor(system, data), tuple(without or ()), tell, most)
+    clock = Clock(seconds, tell)
+
+    def keep(so_far: Diagnosis) -> None:
+        if table is not None:
+            write_text(table, json.dumps({**document(so_far, names), "complete": False}, indent=1))
+
+    found = find(Predictor(system, data), tuple(without or ()), clock, most, keep)
     answer = document(found, names)
     tell(answer["verdict"])
     text = json.dumps(answer, indent=1)
@@ -186,8 +197,15 @@ def _summary(answer: dict[str, Any]) -> str:
         lines.append(f"  gap {part:9} {gaps['before']:7.2f} -> {gaps['after']:.2f}   (floor 1)")
     for rival in answer["rivals"][:4]:
         lines.append(f"  not {' + '.join(map(_named, (rival, *rival.get('with', ()))))}: {rival['why_not']}")
+    for row in answer["budget"]:
+        low, high = row["share_interval"]
+        lines.append(f"  share of {_named(row)}: {row['share']:.0%}   95 %: {low:.0%} .. {high:.0%}")
+    if answer["remainder"]:
+        lines.append(f"  left above the floor: {answer['remainder']['share']:.0%}, {answer['remainder']['looks_like']}")
     if answer["next_experiment"]:
         lines.append(f"  next experiment: {answer['next_experiment']}")
+    for what in answer["skipped"][:4]:
+        lines.append(f"  not looked at for want of time: {what}")
     return "\n".join(lines)
 
 

@@ -18,8 +18,8 @@ RIVALS = 8  # listed
 def document(found: Diagnosis, names: Sequence[str]) -> dict[str, Any]:
     """The answer in plain data: verdict, effects, rivals, ties, gaps, where, what is left.
 
-    Of an "unexplained" gap `effects` are the causes that close most of it, if there are any; what closes less is listed
-    as "suspect".
+    Of a "partial" explanation `effects` are the causes that are sure; others, and what closes some of an "unexplained"
+    gap, are listed as "suspect". Shares of budget, remainder and floor add up to 1.
     """
     data, best = found.model.data, found.best
     cells = locate(found.model, found.nominal)
@@ -30,12 +30,16 @@ def document(found: Diagnosis, names: Sequence[str]) -> dict[str, Any]:
     }
     listed = [vars(cell) for cell in cells if cell.share >= found.criteria.shown_share]
     rest = 1 - sum(cell["share"] for cell in listed)
-    causes, certain = described(found) if best else [], found.solved or found.closure.low > found.criteria.named_closure
+    causes = described(found) if best else []
+    named = found.sure if found.verdict == "partial" else [found.verdict != "unexplained"] * len(causes)
+    budget = _budget(found) if any(named) else []
+    remainder = None if found.solved or found.verdict == "consistent" else _remainder(found)
     answer = {
         "verdict": found.verdict,
         "sentence": sentence(found),
-        "effects": causes if certain else [],
-        "suspect": [] if certain else causes,
+        "effects": [cause for cause, so in zip(causes, named) if so],
+        "suspect": [cause for cause, so in zip(causes, named) if not so],
+        "others": {"outside_library": found.odds.outside_library, "none": found.odds.none},
         "rivals": [rival(found, other) for other in found.scored if other is not best][:RIVALS],
         "ties": [[brief(j.fit.effects) for j in (best, *found.ties)]] if best and found.ties else [],
         "next_experiment": found.next_experiment,
@@ -47,14 +51,19 @@ def document(found: Diagnosis, names: Sequence[str]) -> dict[str, Any]:
             "split_in_time": data.split_in_time,
         },
         "where": [*listed, {"sensor": "all others", "share": rest}],
-        "pushes": [vars(force) for force in found.forces],
-        "unexplained": None,
+        "residual_forces": [vars(force) for force in found.forces],
+        "budget": budget,
+        "remainder": remainder,
+        "floor_share": 1 - sum(row["share"] for row in budget) - (remainder or {"share": 0.0})["share"],
+        "data": [],
+        "complete": not found.skipped,
+        "skipped": list(found.skipped),
         "provenance": {
             "machine": found.model.facts.name,
             "recordings": {
                 "train": list(names[: data.training]),
                 "holdout": list(names[data.training :]),
-                "learnt_in_part": [data.recordings[k].name for k in sorted(data.extended)],
+                "trained_in_part": [data.recordings[k].name for k in sorted(data.extended)],
             },
             **found.model.facts.provenance,
             "simulated_s": found.model.predictor.simulated_s,
@@ -62,17 +71,29 @@ def document(found: Diagnosis, names: Sequence[str]) -> dict[str, Any]:
             "mujoco": version("mujoco"),
         },
     }
-    if found.verdict == "unexplained":
-        left = gaps["holdout"]["after"] ** 2 - 1
-        share = left / max(gaps["holdout"]["before"] ** 2 - 1, 1e-9)
-        remaining = locate(found.model, after)
-        answer["unexplained"] = {
-            "share": float(np.clip(share, 0, 1)),
-            "looks_like": looks_like(found.model, after),
-            "where": in_words(remaining),
-            "learn_from": [data.recordings[k].name for k in found.not_trained],
-        }
     return _plain(answer)
+
+
+def _budget(found: Diagnosis) -> list[dict[str, Any]]:
+    """Shares of the nominal held-out mean square that the effects take."""
+    if found.best is None or found.budget is None:
+        return []
+    return [
+        {"id": effect.id, "location": effect.location, "share": share.value, "share_interval": [share.low, share.high]}
+        for effect, share in zip(found.best.fit.effects, found.budget.shares)
+    ]
+
+
+def _remainder(found: Diagnosis) -> dict[str, Any]:
+    """What is left above the floor, what it looks like, where it lies, and which recordings would teach more."""
+    whole = gap(found.nominal, found.model.data.held_out) ** 2
+    left = gap(found.residual, found.model.data.held_out) ** 2
+    return {
+        "share": max(left - 1, 0.0) / whole,
+        "looks_like": looks_like(found.model, found.residual),
+        "where": in_words(locate(found.model, found.residual)),
+        "train_with": [found.model.data.recordings[k].name for k in found.not_trained],
+    }
 
 
 def _plain(value: Any) -> Any:

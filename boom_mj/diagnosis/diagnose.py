@@ -7,7 +7,9 @@ from functools import cached_property
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from boom_mj.diagnosis.budget import Budget, Odds, gap_budget, needed, odds
 from boom_mj.diagnosis.candidate import everywhere
+from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.criteria import Criteria
 from boom_mj.diagnosis.decision import choose, complete, explains, solved, sure, ties_with
 from boom_mj.diagnosis.linearisation import Linearisation, linearise
@@ -26,7 +28,7 @@ class Diagnosis:
     """What was found.
 
     Attributes:
-        verdict: consistent, explained, ambiguous or unexplained.
+        verdict: consistent, explained, ambiguous, partial or unexplained.
         best: the explanation, None where nothing helps.
         scored: all scored candidates, best first.
         ties: rivals that the data cannot tell from the best.
@@ -35,6 +37,8 @@ class Diagnosis:
         fidelity_alone: share of the coarse model's held-out gap that a finer one closes by itself.
         next_experiment: that would separate the ties.
         model: the healthy machine, about which all this is said.
+        odds: probabilities of the scored candidates, in their order, and of what else there is.
+        skipped: what was not looked at for want of time.
     """
 
     verdict: str
@@ -47,6 +51,8 @@ class Diagnosis:
     fidelity_alone: float
     next_experiment: str | None
     model: Linearisation
+    odds: Odds
+    skipped: tuple[str, ...] = ()
 
     @property
     def criteria(self) -> Criteria:
@@ -61,6 +67,18 @@ class Diagnosis:
     def residual(self) -> Array:
         """What the explanation leaves, whitened, (N,)."""
         return self.best.fit.residual if self.best else self.nominal
+
+    @cached_property
+    def sure(self) -> tuple[bool, ...]:
+        """Of the effects of the best explanation: whether nothing else does what they do."""
+        if not self.best:
+            return ()
+        return tuple(needed(self.best, self.scored, self.nominal, effect) for effect in self.best.fit.effects)
+
+    @cached_property
+    def budget(self) -> Budget | None:
+        """What the effects of the best explanation take of the held-out gap."""
+        return gap_budget(self.nominal, self.best) if self.best else None
 
     @cached_property
     def trained(self) -> Array:
@@ -89,49 +107,62 @@ class Diagnosis:
         return system.forces(model.data, self.nominal, model.noise.weight)
 
 
+Keep = Callable[[Diagnosis], None]
+
+
 def diagnose(
     predictor: Predictor,
     without: Sequence[str] = (),
-    tell: Callable[[str], None] = lambda line: None,
+    clock: Clock | None = None,
     most: int | None = None,
+    keep: Keep = lambda found: None,
 ) -> Diagnosis:
     """Find what a machine has that its nominal model lacks.
 
     Args:
         predictor: of its system and recordings.
         without: ids of effects that are withheld from the library.
-        tell: hears one line per stage.
+        clock: how much time there is, and who hears one line per stage.
         most: causes that an explanation may have; those of the system's facts if left out.
+        keep: is given what is known after every stage, the best so far.
     """
     with threadpool_limits(1):  # simulations have the cores
-        return _diagnose(predictor, without, tell, most or predictor.system.facts.max_causes)
+        return _diagnose(predictor, without, clock or Clock(), most or predictor.system.facts.max_causes, keep)
 
 
-def _diagnose(predictor: Predictor, without: Sequence[str], tell: Callable[[str], None], most: int) -> Diagnosis:
-    tell("fidelity and nuisances")
+def _diagnose(predictor: Predictor, without: Sequence[str], clock: Clock, most: int, keep: Keep) -> Diagnosis:
+    clock.tell("fidelity and nuisances")
     model = linearise(predictor)
     data, criteria = model.data, model.criteria
     raw = model.residual(model.base)
     nominal = model.clean(raw)
     gaps = training, before = gap(nominal, data.train), gap(nominal, data.held_out)
-    tell(f"nominal gap {training:.2f} in training, {before:.2f} held out; screening")
-    screened = Screening(model, everywhere(model.system, without), spectral_lines(model, nominal)).rank(raw)
-    scored = []
-    if max(gaps) > criteria.healthy_gap or (screened and screened[0].share * training**2 > criteria.healthy_promise):
-        scored = singles(model, screened, tell)
+    clock.tell(f"nominal gap {training:.2f} in training, {before:.2f} held out; screening")
+    screened: list[Screened] = []
+    if not clock.over("the library"):
+        screening = Screening(model, everywhere(model.system, without), spectral_lines(model, nominal))
+        clock.tell(f"{len(screening.rows)} candidates screened")
+        screened = screening.rank(raw)
+    scored: list[Scored] = []
+    promise = screened[0].share * training**2 if screened else 0.0
+    if screened and (max(gaps) > criteria.healthy_gap or promise > criteria.healthy_promise):
+        scored = singles(model, screened, clock)
     fall = before**2 - scored[0].held_out ** 2 if scored else 0.0
     worth = bool(scored) and (before > criteria.healthy_gap or fall > criteria.least_gain / 2)
-    scored = refined(scored, gaps, tell) if worth else scored
-    found = _concluded(model, nominal, screened, scored, tell)
-    other = None if found.solved else _extended(found, criteria.explained_gap, without, tell, most)
+    if worth:
+        keep(_concluded(model, nominal, screened, scored, clock))
+        scored = refined(scored, gaps, clock)
+    found = _concluded(model, nominal, screened, scored, clock)
+    keep(found)
+    other = None if found.solved else _extended(found, criteria.explained_gap, without, clock, most, keep)
     if worth and not other and not complete(gaps, scored[0]):
-        found = _concluded(model, nominal, screened, combined(scored, gaps, without, tell, most), tell)
-        other = None if found.solved else _extended(found, criteria.near_noise_gap, without, tell, most)
+        found = _concluded(model, nominal, screened, combined(scored, gaps, without, clock, most), clock)
+        other = None if found.solved else _extended(found, criteria.near_noise_gap, without, clock, most, keep)
     return other if other and other.solved else found
 
 
 def _extended(
-    found: Diagnosis, left: float, without: Sequence[str], tell: Callable[[str], None], most: int
+    found: Diagnosis, left: float, without: Sequence[str], clock: Clock, most: int, keep: Keep
 ) -> Diagnosis | None:
     """The diagnosis where part of a recording held out trains what no other recording shows; its rest judges.
 
@@ -144,8 +175,10 @@ def _extended(
         return None
     largest = max(hidden, key=hidden.__getitem__)
     part = f"{found.model.facts.wording.first_part} of {data.recordings[largest].name}"
-    tell(f"training recordings do not show the gap; training with {part} as well")
-    return _diagnose(found.model.predictor.extending(largest), without, tell, most)
+    if clock.over(f"training with {part}"):
+        return None
+    clock.tell(f"training recordings do not show the gap; training with {part} as well")
+    return _diagnose(found.model.predictor.extending(largest), without, clock, most, keep)
 
 
 def _concluded(
@@ -153,7 +186,7 @@ def _concluded(
     nominal: Array,
     screened: Sequence[Screened],
     scored: Sequence[Scored],
-    tell: Callable[[str], None],
+    clock: Clock,
 ) -> Diagnosis:
     """What scores say."""
     data, criteria = model.data, model.criteria
@@ -168,14 +201,29 @@ def _concluded(
         rivals = (j for j in scored if j is not best and solved(gaps, j))
         ties = tuple(j for j in rivals if ties_with(model, best, j, before))
         verdict = "ambiguous" if ties else "explained"
+    elif best and any(needed(best, scored, nominal, effect) for effect in best.fit.effects):
+        verdict = "partial"
     following = None
     if best and ties:
-        tell("the next experiment")
+        clock.tell("the next experiment")
         following = _next_experiment(model, [j.fit.effects for j in (best, *ties)])
     (coarse,) = model.predictor.predict([()], model.facts.fidelity.coarse)
     coarse = model.clean(model.noise.white(data.measured - coarse))
     fidelity = held_out_closure(model, coarse, nominal).value
-    return Diagnosis(verdict, best, tuple(scored), ties, tuple(screened), nominal, share, fidelity, following, model)
+    return Diagnosis(
+        verdict,
+        best,
+        tuple(scored),
+        ties,
+        tuple(screened),
+        nominal,
+        share,
+        fidelity,
+        following,
+        model,
+        odds(nominal, scored, model),
+        clock.skipped,
+    )
 
 
 def held_out_closure(model: Linearisation, before: Array, after: Array) -> Closure:

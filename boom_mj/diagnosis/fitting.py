@@ -8,6 +8,7 @@ from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import lsq_linear, minimize_scalar
 
 from boom_mj.diagnosis.candidate import Candidate
+from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.effects import Effect
 from boom_mj.estimation.least_squares import OPTIONS
@@ -37,12 +38,19 @@ class Fit:
     cost: float
 
 
-def fit(model: Linearisation, candidate: Candidate, enough: float = OPTIONS.rough, others: Sequence[Array] = ()) -> Fit:
+def fit(
+    model: Linearisation,
+    candidate: Candidate,
+    enough: float = OPTIONS.rough,
+    others: Sequence[Array] = (),
+    clock: Clock | None = None,
+) -> Fit:
     """Fit a candidate on the training entries: Levenberg-Marquardt, nuisances projected out, Broyden's updates.
 
     Args:
         enough: relative fall of the cost below which it has converged.
         others: starts, (p,) each, of which one is taken where it costs less.
+        clock: where it is over, the best so far is given.
     """
     train, posterior = model.data.train, model.posterior
     low, high = candidate.bounds()
@@ -58,6 +66,8 @@ def fit(model: Linearisation, candidate: Candidate, enough: float = OPTIONS.roug
     cost, jacobian, fresh = _cost(model, residual, theta), secants(theta, residual), True
     damping = OPTIONS.damping
     for _ in range(OPTIONS.iterations):
+        if clock and clock.over(f"the rest of the fit of {candidate.label}"):
+            break
         left, estimate = posterior.left(residual)
         slope = jacobian[train].T @ left - theta / OPTIONS.prior**2
         felt = posterior.project(jacobian, posterior.free(estimate))[train]

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from boom_mj.diagnosis.budget import inclusion
 from boom_mj.diagnosis.candidate import Candidate
 from boom_mj.diagnosis.diagnose import Diagnosis
 from boom_mj.diagnosis.scoring import Scored
@@ -37,6 +38,8 @@ def described(found: Diagnosis) -> list[dict[str, Any]]:
                 "location": effect.location,
                 "parameters": parameters,
                 "closure_alone": closure_of(found, alone) if alone else None,
+                **_share(found, k),
+                "probability": probability(found, effect),
             }
         )
     return entries
@@ -58,6 +61,21 @@ def _of_latent(best: Scored, effect: Effect, parameters: Mapping[str, Any]) -> d
         }
         for name, value in effect.with_latent(latent.strength).items()
     }
+
+
+def _share(found: Diagnosis, number: int) -> dict[str, Any]:
+    """What an effect of the best explanation takes of the held-out gap."""
+    assert found.budget is not None
+    share = found.budget.shares[number]
+    return {"share": share.value, "share_interval": [share.low, share.high]}
+
+
+def probability(found: Diagnosis, effect: Effect) -> float:
+    """That the machine has an effect of the best explanation, whatever else it has."""
+    assert found.best is not None
+    alone = inclusion(found.odds, found.scored, effect)
+    sure = found.sure[found.best.fit.effects.index(effect)]
+    return alone + (found.odds.outside_library if sure else 0.0)
 
 
 def closure_of(found: Diagnosis, scored: Scored) -> float:

@@ -12,7 +12,7 @@ from boom_mj.estimation.bootstrap import gap
 
 def rival(found: Diagnosis, other: Scored) -> dict[str, Any]:
     """A candidate that lost, and why."""
-    share = closure_of(found, other)
+    share, probability = closure_of(found, other), found.odds.explanations[found.scored.index(other)]
     why = f"closes {share:.0%} of the held-out gap" if share > -1 else "fits no better at any size"
     if found.best:
         if other in found.ties:
@@ -25,7 +25,7 @@ def rival(found: Diagnosis, other: Scored) -> dict[str, Any]:
         why += (
             f"; it fits the training data better ({other.train:.2f}) than what it has not seen ({other.held_out:.2f})"
         )
-    return {**brief(other.fit.effects), "holdout_gap": other.held_out, "why_not": why}
+    return {**brief(other.fit.effects), "holdout_gap": other.held_out, "why_not": why, "probability": probability}
 
 
 def sentence(found: Diagnosis) -> str:
@@ -40,15 +40,24 @@ def sentence(found: Diagnosis) -> str:
         tried = f"; {found.best.label} would {leaves}" if found.best else ""
         hidden = " and ".join(data.recordings[k].name for k in found.not_trained)
         advice = f" Training recordings do not show all of it; train with {hidden} as well." if hidden else ""
-        return f"The gap of {before:.1f} has no explanation in the library{tried}: {where}.{advice}"
-    causes = [_in_words(entry) for entry in described(found)]
+        return f"The gap of {before:.1f} has no explanation in the library{tried}: {where}.{advice}{_unfinished(found)}"
+    named = [found.verdict != "partial" or sure for sure in found.sure]
+    causes = [_in_words(entry) for entry, so in zip(described(found), named) if so]
     cause, close = " and ".join(causes), "closes" if len(causes) == 1 else "close"
     text = f"{cause[0].upper()}{cause[1:]} {close} {found.closure.value:.0%} of the held-out gap of {before:.1f}"
     if found.ties:
         text += ", and so would " + " or ".join(j.label for j in found.ties)
         if found.next_experiment:
             text += f"; {found.next_experiment} would tell them apart"
-    return f"{text}. Without it, {where}.{_extended(found)}"
+    if found.verdict == "partial":
+        left = f"{found.best.held_out:.2f} is left" if found.best else ""
+        text += f"; {left}, which {in_words(locate(found.model, found.residual)).replace('it is seen', 'is seen')}"
+    return f"{text}. Without it, {where}.{_extended(found)}{_unfinished(found)}"
+
+
+def _unfinished(found: Diagnosis) -> str:
+    """What was not looked at."""
+    return f" For want of time {len(found.skipped)} steps of the search were left out." if found.skipped else ""
 
 
 def _extended(found: Diagnosis) -> str:

@@ -1,11 +1,12 @@
 """Search stages: single causes, then combinations, fitted roughly; the leaders are refined about what they make."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
 from boom_mj.diagnosis.candidate import Candidate, apart, everywhere
+from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.decision import Gaps, choose, complete, solved, useful
 from boom_mj.diagnosis.fitting import fit, grid_starts, refine_jointly
 from boom_mj.diagnosis.linearisation import Linearisation
@@ -14,33 +15,33 @@ from boom_mj.diagnosis.screening import Screened, Screening, spectral_lines
 from boom_mj.effects import Effect
 from boom_mj.estimation.least_squares import OPTIONS
 
-Tell = Callable[[str], None]
 
-
-def singles(model: Linearisation, screened: Sequence[Screened], tell: Tell) -> list[Scored]:
+def singles(model: Linearisation, screened: Sequence[Screened], clock: Clock) -> list[Scored]:
     """The best few of a screening, fitted and scored, best first."""
-    tell("fitting " + ", ".join(s.candidate.label for s in screened[: model.budget.finalists]))
-    return _fit_all(model, [start for s in shortlist(model, screened) for start in s.starts])
+    clock.tell("fitting " + ", ".join(s.candidate.label for s in screened[: model.budget.finalists]))
+    return _fit_all(model, [start for s in shortlist(model, screened) for start in s.starts], clock)
 
 
-def refined(scored: list[Scored], nominal: Gaps, tell: Tell) -> list[Scored]:
+def refined(scored: list[Scored], nominal: Gaps, clock: Clock) -> list[Scored]:
     """Single causes, the leaders refined, and simplified where that suffices."""
-    scored = _refined(scored, nominal, tell)
-    return _simplified(scored, nominal) if solved(nominal, scored[0]) else scored
+    scored = _refined(scored, nominal, clock)
+    return _simplified(scored, nominal, clock) if scored and solved(nominal, scored[0]) else scored
 
 
-def combined(scored: list[Scored], nominal: Gaps, without: Sequence[str], tell: Tell, most: int) -> list[Scored]:
+def combined(scored: list[Scored], nominal: Gaps, without: Sequence[str], clock: Clock, most: int) -> list[Scored]:
     """With combinations, where single causes do not decide, or one decides that may hide another; simplified.
 
     Args:
         most: causes of a combination.
     """
     for size in range(2, most + 1):
+        if not scored or clock.over(f"{size} causes together"):
+            return scored
         if not solved(nominal, scored[0]):
-            scored = _combine(scored, size, nominal, without, tell)
+            scored = _combine(scored, size, nominal, without, clock)
         elif len(scored[0].fit.effects) == size - 1 and not complete(nominal, scored[0]):
-            scored = _revealed(scored, without, tell)
-    return _simplified(scored, nominal)
+            scored = _revealed(scored, without, clock)
+    return _simplified(scored, nominal, clock)
 
 
 def shortlist(model: Linearisation, screened: Sequence[Screened]) -> list[Screened]:
@@ -56,19 +57,27 @@ def shortlist(model: Linearisation, screened: Sequence[Screened]) -> list[Screen
     return chosen
 
 
-def _fit_all(model: Linearisation, candidates: Sequence[Candidate]) -> list[Scored]:
+def _fit_all(model: Linearisation, candidates: Sequence[Candidate], clock: Clock) -> list[Scored]:
     coarse, oscillatory = model.coarse, model.facts.oscillatory
-    slow = coarse.blurred
+    slow, best = coarse.blurred, np.inf
 
-    def scored(candidate: Candidate) -> Scored:
+    def scored(candidate: Candidate) -> Scored | None:
+        if clock.over(candidate.label):
+            return None
         own = coarse.conditional_on(candidate.effects)
         others = grid_starts(own, candidate)
         if oscillatory:
-            others.append(fit(slow.conditional_on(candidate.effects), candidate, OPTIONS.start).scaled)
-        return score(own, fit(own, candidate, others=others))
+            others.append(fit(slow.conditional_on(candidate.effects), candidate, OPTIONS.start, clock=clock).scaled)
+        return score(own, fit(own, candidate, others=others, clock=clock))
 
+    found: list[Scored] = []
     with ThreadPoolExecutor(max(1, len(candidates))) as threads:
-        return _best_of_each(threads.map(scored, candidates))
+        for count, one in enumerate(threads.map(scored, candidates), 1):
+            if one and one.held_out < best:
+                best = one.held_out
+                clock.tell(f"{count} of {len(candidates)} fitted, best so far {one.label}: gap {best:.2f}")
+            found += [one] if one else []
+    return _best_of_each(found)
 
 
 def _best_of_each(found: Iterable[Scored]) -> list[Scored]:
@@ -79,7 +88,7 @@ def _best_of_each(found: Iterable[Scored]) -> list[Scored]:
     return list(best.values())
 
 
-def _combine(scored: list[Scored], size: int, nominal: Gaps, without: Sequence[str], tell: Tell) -> list[Scored]:
+def _combine(scored: list[Scored], size: int, nominal: Gaps, without: Sequence[str], clock: Clock) -> list[Scored]:
     """Forward, with a swap: partners for the leader, others for its best partner, then for the next leader."""
     model = scored[0].model
     leaders = [j for j in scored if len(j.fit.effects) == size - 1 and useful(j, nominal)]
@@ -88,27 +97,27 @@ def _combine(scored: list[Scored], size: int, nominal: Gaps, without: Sequence[s
     saving = model.facts.oscillatory  # where all is soon tried a tie is worth the look
     while trunks and not (saving and solved(nominal, scored[0])):
         about, trunk = trunks.pop(0)
-        scored = _paired(scored, about, trunk, _partners(about, trunk, without, tell), before, tell)
+        scored = _paired(scored, about, trunk, _partners(about, trunk, without, clock), before, clock)
         if first and len(scored[0].fit.effects) == size:
             trunks.insert(0, (scored[0].model, scored[0].fit.effects[1:]))
         first = False
     return scored
 
 
-def _revealed(scored: list[Scored], without: Sequence[str], tell: Tell) -> list[Scored]:
+def _revealed(scored: list[Scored], without: Sequence[str], clock: Clock) -> list[Scored]:
     """With pairs of a leader that suffices, where screening promises much of what it leaves."""
     leader = scored[0]
     model, trunk, square = leader.model, leader.fit.effects, leader.train**2
-    partners = _partners(model, trunk, without, tell)
+    partners = _partners(model, trunk, without, clock)
     promise = max((partner.share for partner in partners), default=0.0) * square
     if promise < model.budget.second_promise * (square - 1):
         return scored
-    return _paired(scored, model, trunk, partners, leader.gaps, tell)
+    return _paired(scored, model, trunk, partners, leader.gaps, clock)
 
 
-def _partners(model: Linearisation, trunk: tuple[Effect, ...], without: Sequence[str], tell: Tell) -> list[Screened]:
+def _partners(model: Linearisation, trunk: tuple[Effect, ...], without: Sequence[str], clock: Clock) -> list[Screened]:
     """What screening suggests about the machine that effects make."""
-    tell("screening beside " + Candidate(trunk).label)
+    clock.tell("screening beside " + Candidate(trunk).label)
     raw = model.residual(*model.predict([trunk]))
     lines = spectral_lines(model, model.clean(raw))
     return Screening(model, everywhere(model.system, without), lines, trunk).rank(raw)[: model.budget.partners]
@@ -120,14 +129,14 @@ def _paired(
     trunk: tuple[Effect, ...],
     partners: Sequence[Screened],
     before: Gaps,
-    tell: Tell,
+    clock: Clock,
 ) -> list[Scored]:
     """With effects together with partners, and with what does well without them."""
     tried = {one.fit.candidate.places for one in scored}
     pairs = [Candidate((*trunk, *start.effects)) for partner in partners for start in partner.starts]
     pairs = [pair for pair in (*pairs, *_shared(trunk, scored)) if pair.places not in tried]
-    tell("combinations: " + ", ".join(dict.fromkeys(pair.label for pair in pairs)))
-    found = _refined(_fit_all(model, pairs), before, tell)
+    clock.tell("combinations: " + ", ".join(dict.fromkeys(pair.label for pair in pairs)))
+    found = _refined(_fit_all(model, pairs, clock), before, clock)
     return sorted([*scored, *found], key=lambda j: j.held_out)
 
 
@@ -138,16 +147,16 @@ def _shared(trunk: tuple[Effect, ...], scored: Sequence[Scored]) -> list[Candida
     return [Candidate((*trunk, effect)) for effect in free[: scored[0].model.budget.singles_beside]]
 
 
-def _simplified(scored: list[Scored], nominal: Gaps) -> list[Scored]:
+def _simplified(scored: list[Scored], nominal: Gaps, clock: Clock) -> list[Scored]:
     """With what remains of the leader with one effect or some parameters less, as long as that is chosen."""
     leader, budget = scored[0], scored[0].model.budget
     while leader:
         known = {j.fit.candidate.places: j.held_out for j in reversed(scored)}
-        parts = _fit_all(leader.model, list(Candidate(leader.fit.effects).simpler()))
+        parts = _fit_all(leader.model, list(Candidate(leader.fit.effects).simpler()), clock)
         for part in sorted(parts, key=lambda j: len(j.fit.scaled)):
             before = known.get(part.fit.candidate.places, np.inf)
             if part.held_out < min(budget.close * leader.held_out, budget.helped * before):
-                part = _refine(part, nominal)
+                part = _refine(part, nominal, clock)
             if part.held_out < budget.helped * before:
                 scored = _best_of_each([*scored, part])
                 if choose(scored, nominal) is part:
@@ -159,7 +168,7 @@ def _simplified(scored: list[Scored], nominal: Gaps) -> list[Scored]:
     return scored
 
 
-def _refined(scored: Sequence[Scored], nominal: Gaps, tell: Tell) -> list[Scored]:
+def _refined(scored: Sequence[Scored], nominal: Gaps, clock: Clock) -> list[Scored]:
     """Those that are worth it refined.
 
     They come close to the best and leave less than almost all that there was, or have learnt so well that what they say
@@ -177,8 +186,8 @@ def _refined(scored: Sequence[Scored], nominal: Gaps, tell: Tell) -> list[Scored
         if done and behind and solved(nominal, done[0]):
             done.append(one)
             continue
-        done.append(_refine(one, nominal))
-        tell(f"{one.label} refined: held-out gap {one.held_out:.2f} -> {done[-1].held_out:.2f}")
+        done.append(_refine(one, nominal, clock))
+        clock.tell(f"{one.label} refined: held-out gap {one.held_out:.2f} -> {done[-1].held_out:.2f}")
     return sorted([*done, *(j for j in scored if j not in close)], key=lambda j: j.held_out)
 
 
@@ -187,10 +196,12 @@ def near(model: Linearisation, gap: float) -> float:
     return max(model.criteria.near_noise_gap, 1 + model.budget.far * (gap - 1))
 
 
-def _refine(scored: Scored, nominal: Gaps) -> Scored:
+def _refine(scored: Scored, nominal: Gaps, clock: Clock) -> Scored:
     """Fit again from where the last fit has led, then with the nuisances and model error there, until it stays."""
     budget, oscillatory = scored.model.budget, scored.model.facts.oscillatory
     for number in range(1 + budget.rounds):
+        if clock.over(f"refinement {number + 1} of {scored.label}"):
+            break
         model, effects = scored.model, scored.fit.effects
         estimate = model.posterior.estimate(model.residual(*model.predict([effects])))
         model = model.relinearised(effects, estimate) if number else model.rebased(effects, estimate)

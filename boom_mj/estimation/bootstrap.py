@@ -24,14 +24,19 @@ def gap(residual: Array, rows: Array) -> float:
     return float(np.sqrt(np.mean(residual[rows] ** 2))) if rows.any() else float("nan")
 
 
-def closure(windows: Array, before: Array, after: Array) -> Closure:
-    """(gap before - gap after) / (gap before - 1) of residuals (n,), and its bootstrap over windows, (n,) of int."""
+def resampled_means(windows: Array, values: Array) -> Array:
+    """Means over all entries of rows of values (k, n), as they are and with windows (n,) drawn anew, (draws + 1, k)."""
     names, windows = np.unique(windows, return_inverse=True)
     size = np.bincount(windows)
-    sums = [np.bincount(windows, r**2) for r in (before, after)]
+    sums = np.array([np.bincount(windows, row) for row in values])  # (k, windows)
     rng = np.random.default_rng(0)
     draws = np.vstack([np.arange(len(names)), rng.integers(len(names), size=(DRAWS, len(names)))])
-    old, new = (np.sqrt(s[draws].sum(axis=1) / size[draws].sum(axis=1)) for s in sums)
+    return np.array([s[draws].sum(axis=1) for s in sums]).T / size[draws].sum(axis=1)[:, None]
+
+
+def closure(windows: Array, before: Array, after: Array) -> Closure:
+    """(gap before - gap after) / (gap before - 1) of residuals (n,), and its bootstrap over windows, (n,) of int."""
+    old, new = np.sqrt(resampled_means(windows, np.array([before**2, after**2]))).T
     share = (old - new) / np.maximum(old - 1, 1e-9)
     low, high = np.quantile(share[1:], [TAIL, 1 - TAIL])
     return Closure(float(share[0]), float(low), float(high))

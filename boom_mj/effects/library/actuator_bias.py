@@ -11,7 +11,7 @@ class ActuatorBias(ActuatorEffect):
     """An actuator that pushes without being told to: offset of its amplifier, or a constant force on its joint."""
 
     id = "actuator_bias"
-    confused_with = ("asymmetric_friction", "gravity_direction", "sensor_offset")
+    confused_with = ("asymmetric_friction", "gravity_direction", "sensor_offset", "asymmetric_dead_zone")
     separating_experiment = "motions both ways"
 
     @classmethod

@@ -22,7 +22,7 @@ class AsymmetricFriction(ModelEffect):
     needs = frozenset({"mjcf"})
     sizes = (0.3, 1.0, 3.0)
     special_cases = ("coulomb_friction",)
-    confused_with = ("coulomb_friction", "actuator_bias")
+    confused_with = ("coulomb_friction", "actuator_bias", "directional_friction", "asymmetric_dead_zone")
     separating_experiment = "motions both ways"
 
     @classmethod

@@ -16,7 +16,7 @@ class DeadZone(ActuatorEffect):
 
     id = "dead_zone"
     sizes = (0.3, 1.0, 3.0)
-    confused_with = ("coulomb_friction", "backlash", "dry_and_viscous_friction")
+    confused_with = ("coulomb_friction", "backlash", "dry_and_viscous_friction", "asymmetric_dead_zone")
     separating_experiment = "small commands"
 
     @classmethod

@@ -22,7 +22,14 @@ class DryAndViscousFriction(ModelEffect):
     at = ("joint",)
     needs = frozenset({"mjcf"})
     special_cases = ("coulomb_friction", "viscous_joint_friction")
-    confused_with = ("coulomb_friction", "viscous_joint_friction", "stribeck_friction", "dead_zone", "sprung_inertia")
+    confused_with = (
+        "coulomb_friction",
+        "viscous_joint_friction",
+        "stribeck_friction",
+        "dead_zone",
+        "sprung_inertia",
+        "directional_friction",
+    )
     separating_experiment = "slow and fast motions"
 
     @classmethod

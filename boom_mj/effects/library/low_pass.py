@@ -14,7 +14,7 @@ class LowPass(ChannelEffect):
     id = "low_pass"
     needs = frozenset({"mjcf", "motion"})
     sizes = (1.0, 4.0)
-    confused_with = ("sensor_delay", "actuator_lag")
+    confused_with = ("sensor_delay", "actuator_lag", "second_order_low_pass")
     separating_experiment = "fast motion"
 
     @classmethod

@@ -14,7 +14,7 @@ class SensorDelay(ChannelEffect):
     id = "sensor_delay"
     needs = frozenset({"mjcf", "motion"})
     sizes = (1.0, 4.0, -1.0)
-    confused_with = ("low_pass", "actuator_delay")
+    confused_with = ("low_pass", "actuator_delay", "second_order_low_pass")
     separating_experiment = "fast motion"
 
     @classmethod

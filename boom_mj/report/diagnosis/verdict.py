@@ -53,6 +53,8 @@ def headline(answer: Mapping[str, Any]) -> str:
         case "ambiguous":
             others = ", or ".join(explanation_name(tie) for tie in answer["ties"][0][1:])
             return f"{capital(names)}, or {others}"
+    if answer["verdict"] == "partial":
+        return f"{capital(names)}, and something else"
     several = len(answer["effects"]) > 1
     return f"{capital(names)} {'explain' if several else 'explains'} the gap"
 

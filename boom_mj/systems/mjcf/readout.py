@@ -33,7 +33,8 @@ def inputs_of(
         motion = log[f"motion/{joint}"]
         position = _spline(motion.time - begin, motion.values[:, 0], time)
         speed = np.gradient(position, time)
-        load = sum((command[a] for a in command if joint_of(spec, a) == joint), np.zeros(len(time)))
+        own = (a for a in command if joint_of(spec, a) == joint)
+        load = sum((exerted(spec, a, command[a], position, speed) for a in own), np.zeros(len(time)))
         moving = Motion(time, {joint: position}, {joint: speed}, {joint: load})
         force[joint] = np.sum([effect.force(moving)[joint] for effect in _forces(hypothesis, joint)], axis=0)
     start = {
@@ -42,6 +43,18 @@ def inputs_of(
         if name.startswith("start/")
     }
     return Inputs(time, path, command, force, {joint: state for joint, state in start.items() if joint not in path})
+
+
+def exerted(spec: mujoco.MjSpec, actuator: str, command: Array, position: Array, speed: Array) -> Array:
+    """What an actuator exerts on its joint, (n,): of a servo the set point is no force.
+
+    MuJoCo's gear (gain u + bias_0 + bias_1 length + bias_2 velocity), without the actuator's own dynamics.
+    """
+    found = spec.actuator(actuator)
+    gear, bias = found.gear[0], found.biasprm
+    held = bias[0] + gear * (bias[1] * position + bias[2] * speed)
+    affine = found.biastype == mujoco.mjtBias.mjBIAS_AFFINE
+    return gear * (found.gainprm[0] * command + (held if affine else 0.0))
 
 
 def said(

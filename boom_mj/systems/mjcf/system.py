@@ -6,7 +6,7 @@ from threading import Lock
 import mujoco
 import numpy as np
 
-from boom_mj.effects import ModelEffect, OutputEffect, Site, make_effect
+from boom_mj.effects import ModelEffect, OutputEffect, Site, is_output, make_effect
 from boom_mj.errors import EffectError
 from boom_mj.recording import Recording, Signal
 from boom_mj.systems.fidelity import FidelityLadder, Level, Refinement
@@ -110,7 +110,7 @@ class MjcfSystem:
     def observe(self, hypothesis: Hypothesis, dense: Mapping[str, Signal]) -> dict[str, Signal]:
         found = dict(dense)
         for effect in hypothesis:
-            if isinstance(effect, OutputEffect):
+            if isinstance(effect, OutputEffect) and is_output(effect):
                 found |= effect.observe(found, None)
         return found
 

@@ -1,0 +1,150 @@
+"""The budget of a gap: what each cause takes of it, and how sure each explanation is, from held-out scores by windows.
+
+Shares are of the nominal held-out mean square v(nothing). With v(T) the mean square of the effects T alone at their
+sizes, nuisances estimated anew, a cause's share is its Shapley value of v(nothing) - v(T): the mean over all orders of
+adding, so that shares, remainder v(all) - 1 and floor 1 add up to the whole.
+
+Windows are resampled as wholes. In every draw one of these is true: the nominal model needs no explanation, an
+explanation suffices and is the cheapest, or none suffices, so that something outside the library is at work. How often
+each is true is its probability; raw likelihoods of many correlated samples would make every wrong name certain.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from math import factorial
+
+import numpy as np
+
+from boom_mj.diagnosis.candidate import apart
+from boom_mj.diagnosis.criteria import Criteria
+from boom_mj.diagnosis.linearisation import Linearisation
+from boom_mj.diagnosis.scoring import Scored
+from boom_mj.effects import Effect
+from boom_mj.estimation.bootstrap import resampled_means
+from boom_mj.estimation.intervals import TAIL
+
+Array = np.ndarray
+MOST_SUBSETS = 32  # of effects that are simulated for shares; of more effects each is left out, and added first
+
+
+@dataclass(frozen=True)
+class Share:
+    """Of the nominal held-out mean square, with a 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Budget:
+    """Shares of the effects in their order, of what is left above the floor, and of the floor; they add up to 1."""
+
+    shares: tuple[Share, ...]
+    remainder: Share
+    floor: Share
+
+
+@dataclass(frozen=True)
+class Odds:
+    """Probabilities that add up to 1: of every scored explanation, of something outside the library, of nothing."""
+
+    explanations: tuple[float, ...]
+    outside_library: float
+    none: float
+
+
+def gap_budget(nominal: Array, best: Scored) -> Budget:
+    """What the effects of an explanation take of a nominal whitened residual, (N,)."""
+    model, effects = best.model, best.fit.effects
+    subsets = _subsets(len(effects))
+    squares = _mean_squares(model, _residuals(nominal, best, subsets))  # (draws + 1, subsets)
+    at = {subset: k for k, subset in enumerate(subsets)}
+    whole = squares[:, at[()]]
+    shares = [_share(_shapley(squares, at, k, len(effects)) / whole) for k in range(len(effects))]
+    left = squares[:, at[tuple(range(len(effects)))]]
+    return Budget(tuple(shares), _share((left - 1) / whole), _share(1 / whole))
+
+
+def odds(nominal: Array, scored: Sequence[Scored], model: Linearisation) -> Odds:
+    """How often each explanation is the right one when held-out windows are drawn anew."""
+    criteria = model.criteria
+    gaps = np.sqrt(_mean_squares(model, [nominal, *(one.fit.residual for one in scored)])[1:])
+    before, after = gaps[:, 0], gaps[:, 1:]
+    count = len(gaps)
+    if not scored:
+        healthy = before <= criteria.healthy_gap
+        return Odds((), float(np.mean(~healthy)), float(np.mean(healthy)))
+    price = after * (1 + criteria.parameter_cost * np.array([len(one.fit.scaled) for one in scored]))
+    first = np.argmin(np.where(after <= _enough(criteria, before)[:, None], price, np.inf), axis=1)
+    suffices = after[np.arange(count), first] <= _enough(criteria, before)
+    fall = before**2 - after.min(axis=1) ** 2
+    none = (before <= criteria.healthy_gap) & (fall <= criteria.least_gain)
+    chosen = np.bincount(first[suffices & ~none], minlength=len(scored)) / count
+    return Odds(tuple(map(float, chosen)), float(np.mean(~suffices & ~none)), float(np.mean(none)))
+
+
+def inclusion(found: Odds, scored: Sequence[Scored], effect: Effect) -> float:
+    """Probability of the explanations that hold a cause."""
+    return float(sum(p for p, one in zip(found.explanations, scored) if effect.cause in one.fit.candidate.places))
+
+
+def needed(best: Scored, scored: Sequence[Scored], nominal: Array, effect: Effect) -> bool:
+    """Whether whatever does without a cause leaves much more, in 95 of 100 draws: so sure is it, whatever is left.
+
+    Explanations that hold a special case of it, or of which it is one, do not do without it.
+    """
+    model, others = best.model, [one for one in scored if apart(type(effect), effect.site, one.fit.effects)]
+    squares = _mean_squares(model, [best.fit.residual, nominal, *(one.fit.residual for one in others)])
+    rival = squares[:, 1:].min(axis=1)
+    closes = (rival - squares[:, 0]) / np.maximum(rival - 1, 1e-9)
+    return bool(np.quantile(closes[1:], TAIL) > model.criteria.named_closure)
+
+
+def _enough(criteria: Criteria, before: Array) -> Array:
+    """The gap that an explanation may leave."""
+    return criteria.explained_gap + criteria.error_share * (before - 1)
+
+
+def _mean_squares(model: Linearisation, residuals: Sequence[Array]) -> Array:
+    """Held-out mean squares, of the data and of draws, (draws + 1, residuals)."""
+    rows = model.data.held_out
+    return resampled_means(model.data.windows[rows], np.array([r[rows] ** 2 for r in residuals]))
+
+
+def _subsets(count: int) -> list[tuple[int, ...]]:
+    whole = tuple(range(count))
+    if 2**count <= MOST_SUBSETS:
+        return [subset for size in range(count + 1) for subset in combinations(whole, size)]
+    return [(), *((k,) for k in whole), *(tuple(j for j in whole if j != k) for k in whole), whole]
+
+
+def _residuals(nominal: Array, best: Scored, subsets: Sequence[tuple[int, ...]]) -> list[Array]:
+    """Of the effects in every subset alone."""
+    model, effects = best.model, best.fit.effects
+    inner = [subset for subset in subsets if 0 < len(subset) < len(effects)]
+    said = model.predict([tuple(effects[k] for k in subset) for subset in inner]) if inner else []
+    known: Mapping[tuple[int, ...], Array] = {
+        (): nominal,
+        tuple(range(len(effects))): best.fit.residual,
+        **{subset: model.clean(model.residual(prediction)) for subset, prediction in zip(inner, said)},
+    }
+    return [known[subset] for subset in subsets]
+
+
+def _shapley(squares: Array, at: Mapping[tuple[int, ...], int], effect: int, count: int) -> Array:
+    """What an effect takes off the mean square, in the mean over orders of adding, (draws + 1,)."""
+    total, weights = np.zeros(len(squares)), 0.0
+    for subset, k in at.items():
+        joined = tuple(sorted((*subset, effect)))
+        if effect not in subset and joined in at:
+            weight = factorial(len(subset)) * factorial(count - len(subset) - 1) / factorial(count)
+            total += weight * (squares[:, k] - squares[:, at[joined]])
+            weights += weight
+    return total / weights
+
+
+def _share(values: Array) -> Share:
+    low, high = np.quantile(values[1:], [TAIL, 1 - TAIL])
+    return Share(float(values[0]), float(low), float(high))
