@@ -10,9 +10,7 @@ import mujoco
 import numpy as np
 from scipy.signal import lfilter
 
-from boom_mj.effects.base import Effect, ForceEffect, ModelEffect, Motion, OutputEffect
-from boom_mj.effects.parameter import Parameter
-from boom_mj.effects.site import Site
+from boom_mj.effects import Effect, ForceEffect, ModelEffect, Motion, OutputEffect, Parameter, Site
 from boom_mj.effects.spec_edits import link_hinges
 from boom_mj.machine import Machine
 from boom_mj.recording import Signal

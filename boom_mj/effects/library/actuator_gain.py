@@ -2,9 +2,7 @@
 
 from collections.abc import Mapping
 
-from boom_mj.effects.base import ActuatorEffect, Array
-from boom_mj.effects.parameter import Parameter
-from boom_mj.effects.site import Site
+from boom_mj.effects import ActuatorEffect, Array, Parameter, Site
 
 
 class ActuatorGain(ActuatorEffect):

@@ -2,10 +2,8 @@
 
 from collections.abc import Mapping
 
-from boom_mj.effects.base import ActuatorEffect, Array
+from boom_mj.effects import ActuatorEffect, Array, Parameter, Site
 from boom_mj.effects.filters import lagged, led
-from boom_mj.effects.parameter import Parameter
-from boom_mj.effects.site import Site
 
 
 class ActuatorLag(ActuatorEffect):

@@ -4,10 +4,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from boom_mj.effects.base import ActuatorEffect, Array
+from boom_mj.effects import ActuatorEffect, Array, Parameter, Site
 from boom_mj.effects.library.dead_zone import SOFT
-from boom_mj.effects.parameter import Parameter
-from boom_mj.effects.site import Site
 
 
 class AsymmetricDeadZone(ActuatorEffect):

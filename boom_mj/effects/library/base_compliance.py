@@ -3,9 +3,7 @@
 import mujoco
 import numpy as np
 
-from boom_mj.effects.base import ModelEffect
-from boom_mj.effects.parameter import Parameter
-from boom_mj.effects.site import Site
+from boom_mj.effects import ModelEffect, Parameter, Site
 from boom_mj.machine import Machine
 
 

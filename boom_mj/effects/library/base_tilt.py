@@ -3,8 +3,7 @@
 import mujoco
 from scipy.spatial.transform import Rotation
 
-from boom_mj.effects.base import ModelEffect
-from boom_mj.effects.parameter import Parameter
+from boom_mj.effects import ModelEffect, Parameter
 from boom_mj.machine import Machine
 
 

@@ -4,9 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from boom_mj.effects.base import ActuatorEffect, Array
-from boom_mj.effects.parameter import Parameter
-from boom_mj.effects.site import Site
+from boom_mj.effects import ActuatorEffect, Array, Parameter, Site
 
 SOFT = 0.05  # of the rms of what acts, over which the jump of the inverse is smoothed
 

@@ -4,9 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from boom_mj.effects.base import Array, ResistEffect
-from boom_mj.effects.parameter import Parameter
-from boom_mj.effects.site import Site
+from boom_mj.effects import Array, Parameter, ResistEffect, Site
 
 STANDSTILL = 0.02  # of the joint's rms speed, within which the dry part changes its sign
 

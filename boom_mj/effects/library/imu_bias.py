@@ -3,8 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
-from boom_mj.effects.base import OutputEffect
-from boom_mj.effects.parameter import Parameter
+from boom_mj.effects import OutputEffect, Parameter
 from boom_mj.machine import Machine
 from boom_mj.recording import Signal
 

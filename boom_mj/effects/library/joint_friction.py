@@ -4,8 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from boom_mj.effects.base import OutputEffect
-from boom_mj.effects.parameter import Parameter
+from boom_mj.effects import OutputEffect, Parameter
 from boom_mj.machine import Machine, cylinder_lengths
 from boom_mj.recording import Signal, named_signal
 

@@ -4,9 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from boom_mj.effects.base import AngleEffect, Array, Values
-from boom_mj.effects.parameter import Parameter
-from boom_mj.effects.site import Site
+from boom_mj.effects import AngleEffect, Array, Parameter, Site, Values
 
 PERIODS = (1.0, 2.0, 3.0, 4.0)
 

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from boom_mj.effects.base import AngleEffect, Array
-from boom_mj.effects.parameter import Parameter
+from boom_mj.effects import AngleEffect, Array, Parameter
 
 
 class JointZeroOffset(AngleEffect):

@@ -5,9 +5,7 @@ from typing import Any
 
 import mujoco
 
-from boom_mj.effects.base import ModelEffect
-from boom_mj.effects.parameter import Parameter
-from boom_mj.effects.site import Site
+from boom_mj.effects import ModelEffect, Parameter, Site
 from boom_mj.effects.spec_edits import chain
 
 

@@ -4,9 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from boom_mj.effects.base import Array, ResistEffect
-from boom_mj.effects.parameter import Parameter
-from boom_mj.effects.site import Site
+from boom_mj.effects import Array, Parameter, ResistEffect, Site
 
 
 class LoadFriction(ResistEffect):

@@ -2,10 +2,8 @@
 
 from collections.abc import Mapping
 
-from boom_mj.effects.base import Array, ChannelEffect
+from boom_mj.effects import Array, ChannelEffect, Parameter, Site
 from boom_mj.effects.filters import lagged, led
-from boom_mj.effects.parameter import Parameter
-from boom_mj.effects.site import Site
 
 
 class LowPass(ChannelEffect):

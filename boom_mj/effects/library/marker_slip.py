@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from boom_mj.effects.base import OutputEffect
-from boom_mj.effects.parameter import Parameter
+from boom_mj.effects import OutputEffect, Parameter
 from boom_mj.machine import Machine
 from boom_mj.recording import Signal
 

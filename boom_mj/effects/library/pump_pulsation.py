@@ -4,9 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from boom_mj.effects.base import Array, ForceEffect, Motion, Values
-from boom_mj.effects.parameter import Parameter
-from boom_mj.effects.site import Site
+from boom_mj.effects import Array, ForceEffect, Motion, Parameter, Site, Values
 
 DIRECTIONS = {"vertical": np.array([0.0, 0.0, 1.0]), "horizontal": np.array([0.0, 1.0, 0.0])}
 

@@ -4,9 +4,7 @@ from collections.abc import Mapping
 
 from scipy.signal import bilinear_zpk, sosfilt, sosfilt_zi, zpk2sos
 
-from boom_mj.effects.base import Array, ChannelEffect
-from boom_mj.effects.parameter import Parameter
-from boom_mj.effects.site import Site
+from boom_mj.effects import Array, ChannelEffect, Parameter, Site
 
 BUTTERWORTH = 2**-0.5  # damping ratio of poles
 

@@ -2,9 +2,7 @@
 
 from collections.abc import Mapping
 
-from boom_mj.effects.base import Array, ChannelEffect
-from boom_mj.effects.parameter import Parameter
-from boom_mj.effects.site import Site
+from boom_mj.effects import Array, ChannelEffect, Parameter, Site
 
 
 class SensorOffset(ChannelEffect):

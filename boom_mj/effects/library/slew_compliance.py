@@ -3,9 +3,8 @@
 import mujoco
 import numpy as np
 
-from boom_mj.effects.base import ModelEffect
+from boom_mj.effects import ModelEffect, Parameter
 from boom_mj.effects.library.hydraulic_compliance import add_spring
-from boom_mj.effects.parameter import Parameter
 from boom_mj.machine import Machine
 
 

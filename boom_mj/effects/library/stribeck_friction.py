@@ -4,9 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from boom_mj.effects.base import Array, ResistEffect, Values
-from boom_mj.effects.parameter import Parameter
-from boom_mj.effects.site import Site
+from boom_mj.effects import Array, Parameter, ResistEffect, Site, Values
 
 SHARP = 0.02  # of the Stribeck speed, within which the sign changes
 

@@ -2,8 +2,7 @@
 
 import mujoco
 
-from boom_mj.effects.base import ModelEffect
-from boom_mj.effects.parameter import Parameter
+from boom_mj.effects import ModelEffect, Parameter
 from boom_mj.effects.spec_edits import elastic_hinges
 from boom_mj.machine import Machine
 

@@ -4,9 +4,7 @@ from collections.abc import Sequence
 
 import mujoco
 
-from boom_mj.effects.base import Array, ModelEffect, Values
-from boom_mj.effects.parameter import Parameter
-from boom_mj.effects.site import Site
+from boom_mj.effects import Array, ModelEffect, Parameter, Site, Values
 from boom_mj.effects.spec_edits import link_hinges
 from boom_mj.machine import Machine
 

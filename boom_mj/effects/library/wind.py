@@ -7,9 +7,7 @@ from typing import ClassVar
 import numpy as np
 from scipy.signal import lfilter
 
-from boom_mj.effects.base import Array, ForceEffect, Motion, Values
-from boom_mj.effects.parameter import Parameter
-from boom_mj.effects.site import Site
+from boom_mj.effects import Array, ForceEffect, Motion, Parameter, Site, Values
 from boom_mj.estimation.latent_input import CORRELATION_S, KNOT_S
 
 DENSITY = 1.225  # kg/m^3
