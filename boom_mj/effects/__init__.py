@@ -1,7 +1,9 @@
 """What can differ from the nominal machine: the theory in `base`, one small file per effect in `library/`."""
 
+from boom_mj.effects.base import ActuatorEffect as ActuatorEffect
 from boom_mj.effects.base import AngleEffect as AngleEffect
 from boom_mj.effects.base import Array as Array
+from boom_mj.effects.base import ChannelEffect as ChannelEffect
 from boom_mj.effects.base import Effect as Effect
 from boom_mj.effects.base import ForceEffect as ForceEffect
 from boom_mj.effects.base import InputEffect as InputEffect
