@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from typer.core import TyperCommand
 
-from boom_mj.cli import blind
+from boom_mj.cli import blind, watch
 from boom_mj.cli.arguments import EffectFiles, find_machine, machine_text, output_folder, output_path
+from boom_mj.cli.many_logs import ManyLogs
 from boom_mj.effects import BOOM_SITES, effect_library
 from boom_mj.errors import InputError
 from boom_mj.files import locked, write_text
@@ -21,25 +21,7 @@ from boom_mj.recording import Recording, named_signal
 
 app = typer.Typer(help="Diagnose the gap between simulator and machine.", no_args_is_help=True)
 app.add_typer(blind.app, name="blind")
-
-
-class ManyHoldouts(TyperCommand):
-    """`--holdout A B C` means `--holdout A --holdout B --holdout C`."""
-
-    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        spread: list[str] = []
-        within = False
-        for word in args:
-            if word == "--holdout":
-                within = True
-            elif word.startswith("-"):
-                within = False
-                spread.append(word)
-            elif within:
-                spread += ["--holdout", word]
-            else:
-                spread.append(word)
-        return super().parse_args(ctx, spread)
+app.command("watch", cls=ManyLogs)(watch.command)
 
 
 @app.command()
@@ -77,7 +59,7 @@ def criteria() -> None:
         print(f"{family:9} {field.name:18} {shown} {field.metadata['unit']}: {field.metadata['reason']}")
 
 
-@app.command(cls=ManyHoldouts)
+@app.command(cls=ManyLogs)
 def diagnose(
     logs: Annotated[list[Path], typer.Argument(metavar="LOGS...", help="Logs to learn from.")],
     holdout: Annotated[
@@ -107,6 +89,10 @@ def diagnose(
     model: Annotated[
         Path | None, typer.Option(metavar="MODEL.xml", help="Its MJCF file; the map's if left out.")
     ] = None,
+    healthy: Annotated[
+        list[Path] | None,
+        typer.Option(metavar="LOGS...", help="Logs of the machine when it was well: what changed since is diagnosed."),
+    ] = None,
     most: Annotated[
         int | None,
         typer.Option(min=1, metavar="N", help="Most causes of an explanation; what suits the machine if left out."),
@@ -124,6 +110,7 @@ def diagnose(
     from boom_mj.diagnosis import Diagnosis, document, explanation
     from boom_mj.diagnosis import diagnose as find
     from boom_mj.diagnosis.clock import Clock
+    from boom_mj.diagnosis.healthy import as_built
     from boom_mj.systems.predictor import Predictor, dataset_of
     from boom_mj.systems.system import Corrects, System
 
@@ -140,7 +127,7 @@ def diagnose(
     for name in without or ():
         if name not in effect_library():
             raise InputError(f"--without {name}: the library holds {', '.join(effect_library())}")
-    paths = [*logs, *(holdout or ())]
+    paths, wells = [*logs, *(holdout or ())], list(healthy or ())
     recordings = [] if channels else [read_log(path) for path in paths]
     began = time.perf_counter()
 
@@ -152,6 +139,10 @@ def diagnose(
         from boom_mj.systems.mjcf import load_mjcf
 
         system, data = load_mjcf(logs, holdout or (), channels, model)
+        if wells:
+            system, well = load_mjcf(wells, wells, channels, model)
+            system = as_built(system, well.recordings[: well.training], Clock(tell=tell))
+            data = dataset_of(system, data.recordings, data.training)
         names = [log.name for log in data.recordings]
     else:
         from boom_mj.systems.boom import BoomSystem
@@ -160,6 +151,8 @@ def diagnose(
         if not name:
             raise InputError(f"{paths[0]}: the log does not name its machine; say which with --machine")
         system = BoomSystem(find_machine(name), machine_text(name))
+        if wells:
+            system = as_built(system, [read_log(path) for path in wells], Clock(tell=tell))
         data, names = dataset_of(system, recordings, len(logs)), [str(path) for path in paths]
     clock = Clock(seconds, tell)
 

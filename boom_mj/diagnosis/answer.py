@@ -71,7 +71,7 @@ def document(found: Diagnosis, names: Sequence[str]) -> dict[str, Any]:
             "mujoco": version("mujoco"),
         },
     }
-    return _plain(answer)
+    return plain(answer)
 
 
 def _budget(found: Diagnosis) -> list[dict[str, Any]]:
@@ -96,12 +96,12 @@ def _remainder(found: Diagnosis) -> dict[str, Any]:
     }
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """Numbers that JSON can hold: infinities and NaN as null."""
     if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
+        return {key: plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if isinstance(value, float | np.floating):
         return float(value) if np.isfinite(value) else None
     return value.item() if isinstance(value, np.generic) else value

@@ -38,6 +38,7 @@ class Linearisation:
         mean_error: what a finer model would add to it, (N,).
         posterior: nuisances, and the noise model.
         nuisances: what the columns of the posterior are.
+        all_nuisances: the same of a machine without effects.
         criteria, budget: what decides, and what is tried.
     """
 
@@ -49,6 +50,7 @@ class Linearisation:
     mean_error: Array
     posterior: LinearPosterior
     nuisances: tuple[Nuisance, ...]
+    all_nuisances: tuple[Nuisance, ...]
     criteria: Criteria
     budget: SearchBudget = field(default_factory=SearchBudget)
 
@@ -151,7 +153,7 @@ class Linearisation:
         limits.
         """
         kept, fidelity = self.rebased(effects, estimate), self.facts.fidelity
-        nuisances = tuple(t.conditional_on(effects) for t in self.system.nuisances())
+        nuisances = tuple(t.conditional_on(effects) for t in self.all_nuisances)
         whole, moving = (*effects, *kept.individual), [t for t in nuisances if not t.slow]
         self.predictor.ahead([whole], *(check.level for check in fidelity.checks))
         coarse = [whole, *((*whole, *t.hypothesis) for t in moving)]
@@ -163,14 +165,19 @@ class Linearisation:
 
 
 def linearise(
-    predictor: Predictor, criteria: Criteria | None = None, budget: SearchBudget | None = None
+    predictor: Predictor,
+    criteria: Criteria | None = None,
+    budget: SearchBudget | None = None,
+    nuisances: tuple[Nuisance, ...] | None = None,
 ) -> Linearisation:
     """Simulate the healthy machine at several fidelities and with every nuisance.
 
     Args:
         criteria: those of the kind of machine if left out.
+        nuisances: those of the system if left out.
     """
-    facts, nuisances = predictor.system.facts, predictor.system.nuisances()
+    facts = predictor.system.facts
+    nuisances = predictor.system.nuisances() if nuisances is None else nuisances
     fidelity, empty = facts.fidelity, np.zeros(len(predictor.data.time))
     predictor.ahead([()], *(check.level for check in fidelity.checks), fidelity.middle)
     coarse, *shifted = predictor.predict([(), *(t.hypothesis for t in nuisances)], fidelity.coarse)
@@ -185,6 +192,7 @@ def linearise(
         mean_error=empty,
         posterior=posterior,
         nuisances=nuisances,
+        all_nuisances=nuisances,
         criteria=criteria or OF_KIND[facts.kind],
         budget=budget or SearchBudget(),
     )

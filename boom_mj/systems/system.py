@@ -210,6 +210,14 @@ class LinearResponse(Protocol):
         """What an effect changes, (N,), from what nuisances change per prior deviation, (N, m); None if unknown."""
 
 
+@runtime_checkable
+class Individuals(Protocol):
+    """A system whose copies differ by more than its nuisances."""
+
+    def individual(self) -> tuple[Nuisance, ...]:
+        """Its nuisances, with prior deviations as wide as machines are built apart."""
+
+
 def separating_experiments(rivals: Sequence[Hypothesis]) -> str | None:
     """What the library says would tell rivals apart."""
     said = {e.separating_experiment for rival in rivals for e in rival if e.separating_experiment}

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 
+import numpy as np
 from scipy.signal import bilinear_zpk, sosfilt, sosfilt_zi, zpk2sos
 
 from boom_mj.effects import Array, ChannelEffect, Parameter, Site
@@ -35,4 +36,9 @@ class SecondOrderLowPass(ChannelEffect):
         return sosfilt(sections, true, zi=sosfilt_zi(sections) * true[0])[0]
 
     def invert(self, time: Array, read: Array) -> Array:
-        raise NotImplementedError("a compared channel is never inverted")
+        """By differences: what a filter has taken from fast motion does not come back."""
+        constant = self.values["time_constant"]
+        if constant <= 0 or len(time) < 2:
+            return read
+        rate = np.gradient(read, time)
+        return read + constant / BUTTERWORTH * rate + constant**2 * np.gradient(rate, time)

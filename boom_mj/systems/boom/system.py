@@ -26,7 +26,7 @@ from boom_mj.simulation.plant import with_effects
 from boom_mj.systems.boom import design, residual_force
 from boom_mj.systems.boom.channels import channel_place
 from boom_mj.systems.boom.corrected import with_effects_text
-from boom_mj.systems.boom.nuisances import OFFSET, OFFSET_STEP, nuisances
+from boom_mj.systems.boom.nuisances import OFFSET, OFFSET_STEP, individual, nuisances
 from boom_mj.systems.boom.timeline import DRIVE, MOVING, PHASES, timeline
 from boom_mj.systems.fidelity import FidelityLadder, Level, Refinement
 from boom_mj.systems.system import (
@@ -96,6 +96,10 @@ class BoomSystem:
 
     def nuisances(self) -> tuple[Nuisance, ...]:
         return tuple(nuisances())
+
+    def individual(self) -> tuple[Nuisance, ...]:
+        """Nuisances as wide as booms are built apart."""
+        return tuple(individual())
 
     def timeline(self, log: Recording) -> Timeline:
         return timeline(log, float(self.levels[DRIVE][0]), BLOCK_S)

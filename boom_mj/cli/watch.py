@@ -1,0 +1,86 @@
+"""gap watch: since when is a machine no longer what it was, and what changed."""
+
+import json
+import sys
+import time
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from boom_mj.cli.arguments import EffectFiles, find_machine, output_path
+from boom_mj.errors import InputError
+from boom_mj.files import write_text
+from boom_mj.logs import read_log
+
+
+def command(
+    logs: Annotated[list[Path], typer.Argument(metavar="LOGS...", help="Logs in the order of their time.")],
+    healthy: Annotated[
+        list[Path],
+        typer.Option(metavar="LOGS...", help="Logs of the machine when it was well."),
+    ],
+    machine: Annotated[str | None, typer.Option(help="Machine file or name; the logs' own if left out.")] = None,
+    channels: Annotated[
+        Path | None, typer.Option("--map", metavar="MAP.toml", help="Any machine: what the fields of its logs are.")
+    ] = None,
+    model: Annotated[
+        Path | None, typer.Option(metavar="MODEL.xml", help="Its MJCF file; the map's if left out.")
+    ] = None,
+    as_json: Annotated[str | None, typer.Option("--json", metavar="FILE", help="Answer as JSON; - for stdout.")] = None,
+    seconds: Annotated[
+        float | None, typer.Option("--time", min=0, metavar="S", help="Seconds after which nothing more is refined.")
+    ] = None,
+    own_effects: EffectFiles = None,
+) -> None:
+    """Say of every log whether the machine is still what it was, since when it is not, and what changed.
+
+    Example: python -m boom_mj gap watch monday.mcap tuesday.mcap --healthy first.mcap second.mcap
+    """
+    from boom_mj.diagnosis.clock import Clock
+    from boom_mj.diagnosis.sentences import sentence
+    from boom_mj.diagnosis.watch import watch
+    from boom_mj.systems.boom import BoomSystem
+    from boom_mj.systems.mjcf import load_mjcf
+    from boom_mj.systems.system import System
+
+    if model is not None and channels is None:
+        raise InputError("--model needs a channel map: say which field of the log is what with --map MAP.toml")
+    if channels is not None and machine is not None:
+        raise InputError("--machine goes with booms only; with --map the model is --model MODEL.xml")
+    table = None if as_json in (None, "-") else output_path(Path(str(as_json)))
+    began = time.perf_counter()
+
+    def tell(line: str) -> None:
+        print(f"{time.perf_counter() - began:6.1f} s  {line}", file=sys.stderr)
+
+    system: System
+    if channels is not None:
+        system, data = load_mjcf(healthy, logs, channels, model)
+        well, later = list(data.recordings[: data.training]), list(data.recordings[data.training :])
+    else:
+        well, later = ([read_log(path) for path in paths] for paths in (healthy, logs))
+        names = {log.machine for log in (*well, *later) if log.machine}
+        if machine is None and len(names) != 1:
+            told = "their machine" if not names else f"one machine: {', '.join(sorted(names))}"
+            raise InputError(f"the logs do not name {told}; say which with --machine")
+        system = BoomSystem(find_machine(machine or names.pop()))
+    found = watch(system, well, later, Clock(seconds, tell))
+    answer = found.document()
+    text = json.dumps(answer, indent=1)
+    if table is not None:
+        write_text(table, text)
+    print(text if as_json == "-" else _summary(answer, sentence(found.found) if found.found else ""))
+
+
+def _summary(answer: dict[str, Any], words: str) -> str:
+    width = max(len(row["log"]) for row in answer["logs"])
+    lines = [
+        f"{row['log']:{width}}  {'changed' if row['changed'] else 'as it was':9}  "
+        f"{row['statistic']:8.1f} of {row['limit']:.1f}  {row['group'] if row['changed'] else ''}"
+        for row in answer["logs"]
+    ]
+    if answer["since"] is None:
+        return "\n".join([*lines, "", "The machine is what it was."])
+    since = f"Changed since {answer['since']['time_s']:.0f} s of {answer['since']['log']}."
+    return "\n".join([*lines, "", since, f"{answer['verdict']}: {words}"])

@@ -1,0 +1,80 @@
+"""A system as it was built: the nominal one with effects that it had when it was well."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from boom_mj.effects import Effect, Site, is_output
+from boom_mj.estimation.dataset import Dataset
+from boom_mj.recording import Recording, Signal
+from boom_mj.systems.fidelity import Level
+from boom_mj.systems.system import (
+    ChannelPlace,
+    Corrects,
+    Designs,
+    Hypothesis,
+    LinearResponse,
+    Nuisance,
+    ResidualForce,
+    ResidualForces,
+    System,
+    SystemFacts,
+    Timeline,
+)
+
+Array = np.ndarray
+
+
+class AsBuilt:
+    """Another system of which every hypothesis has some effects besides.
+
+    Args:
+        system: nominal.
+        built: effects that it has.
+    """
+
+    def __init__(self, system: System, built: Hypothesis) -> None:
+        self.system, self.built = system, built
+        self._outputs = tuple(effect for effect in built if is_output(effect))
+        self._simulated = tuple(effect for effect in built if not is_output(effect))
+
+    @property
+    def facts(self) -> SystemFacts:
+        return self.system.facts
+
+    def sites(self) -> tuple[Site, ...]:
+        return self.system.sites()
+
+    def nuisances(self) -> tuple[Nuisance, ...]:
+        return self.system.nuisances()
+
+    def timeline(self, log: Recording) -> Timeline:
+        return self.system.timeline(log)
+
+    def simulate(self, hypothesis: Hypothesis, level: Level, log: Recording) -> dict[str, Signal]:
+        return self.system.simulate((*self._simulated, *hypothesis), level, log)
+
+    def observe(self, hypothesis: Hypothesis, dense: Mapping[str, Signal]) -> dict[str, Signal]:
+        return self.system.observe((*self._outputs, *hypothesis), dense)
+
+    def channel(self, signal: str, column: int) -> ChannelPlace:
+        return self.system.channel(signal, column)
+
+    def forces(self, data: Dataset, white: Array, weight: Array) -> tuple[ResidualForce, ...]:
+        """Of the system, if its channels tell where it is."""
+        return self.system.forces(data, white, weight) if isinstance(self.system, ResidualForces) else ()
+
+    def next_experiment(self, rivals: Sequence[Hypothesis], done: Sequence[str]) -> str | None:
+        """Of the system, if it knows its experiments."""
+        return self.system.next_experiment(rivals, done) if isinstance(self.system, Designs) else None
+
+    def corrected(self, hypothesis: Hypothesis) -> str:
+        """Its file with what it was built with, and effects."""
+        assert isinstance(self.system, Corrects)
+        return self.system.corrected((*self.built, *hypothesis))
+
+    def column(self, effect: Effect, data: Dataset, nuisances: Array) -> Array | None:
+        """Of the system, if it knows responses."""
+        if not isinstance(self.system, LinearResponse):
+            return None
+        return self.system.column(effect, data, nuisances)
