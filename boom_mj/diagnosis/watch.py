@@ -3,9 +3,10 @@
 The healthy recordings say how the machine was built and how large residuals are. Of every later recording the mean
 square of each channel group is held against that: over windows of independence,
 
-    z = (mean square - healthy mean) / (healthy deviation sqrt(1 / windows + 1 / healthy windows)),
+    z = (mean square - g^2 max(healthy mean, 1)) / (healthy deviation sqrt(1 / windows + 1 / healthy windows)),
 
-and the largest z of all groups against a limit that false alarms pass in FALSE_ALARMS of recordings, shared among the
+with g = `near_noise_gap`, the gap up to which nothing is worth a look: model error differs from motion to motion. The
+largest z of all groups is held against a limit that false alarms pass in FALSE_ALARMS of recordings, shared among the
 groups. Within the first changed recording the change lies where the cumulative sum of what is too much, of the group
 that shows most, begins to rise for good.
 """
@@ -75,10 +76,11 @@ def watch(system: System, healthy: Sequence[Recording], logs: Sequence[Recording
     built = as_built(system, healthy, clock)
     model = linearise(Predictor(built, dataset_of(built, [*healthy, *logs], len(healthy))))
     residual = model.clean(model.residual(model.base))
+    allowed = model.criteria.near_noise_gap**2
     squares = {group: _windows(model, residual, group) for group in sorted({c.group for c in model.data.channels})}
     states = []
     for index in range(len(healthy), len(healthy) + len(logs)):
-        states.append(_state(model.data.recordings[index].name, squares, len(healthy), index))
+        states.append(_state(model.data.recordings[index].name, squares, len(healthy), index, allowed))
         clock.tell(f"{states[-1].log}: {states[-1].statistic:.1f} of {states[-1].limit:.1f}, by {states[-1].group}")
     changed = [k for k, state in enumerate(states) if state.changed]
     if not changed:
@@ -109,13 +111,13 @@ def _healthy(squares: dict[int, Array], healthy: int) -> Array:
     return np.concatenate([values for index, values in squares.items() if index < healthy] or [np.ones(1)])
 
 
-def _state(name: str, squares: dict[str, dict[int, Array]], healthy: int, index: int) -> LogState:
+def _state(name: str, squares: dict[str, dict[int, Array]], healthy: int, index: int, allowed: float) -> LogState:
     best, group, limits = -np.inf, "", [0.0]
     there = [name for name, by_log in squares.items() if index in by_log]
     for one in there:
         base, now = _healthy(squares[one], healthy), squares[one][index]
         deviation = max(float(np.std(base, ddof=1)) if len(base) > 1 else 1.0, LEAST_DEVIATION)
-        z = (now.mean() - base.mean()) / (deviation * np.sqrt(1 / len(now) + 1 / len(base)))
+        z = (now.mean() - allowed * max(base.mean(), 1.0)) / (deviation * np.sqrt(1 / len(now) + 1 / len(base)))
         limits.append(float(stdtrit(max(len(base) - 1, 1), 1 - FALSE_ALARMS / len(there))))
         if z > best:
             best, group = float(z), one
