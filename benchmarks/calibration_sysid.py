@@ -15,10 +15,11 @@ import mujoco
 import numpy as np
 from mujoco import sysid
 
-from boom_mj.calibration.evidence import HINGES, Evidence
-from boom_mj.calibration.parameters import Setting, Space, make_space
+from boom_mj.calibration.evidence import MIDDLE, predictor_of
+from boom_mj.calibration.parameters import Parameterisation, make_parameterisation
 from boom_mj.calibration.refine import refine
 from boom_mj.effects.spec_edits import elastic_hinges, link_hinges
+from boom_mj.estimation.noise import noise_model
 from boom_mj.machine import load_machine
 from boom_mj.mjcf import build
 from boom_mj.recording import Recording
@@ -31,19 +32,13 @@ BOOM = load_machine(Path(__file__).parents[1] / "models" / "boom36.toml").model_
 KINDS = ("youngs_modulus_z", "damping")
 TRUTH = np.log([0.9, 1.15, 0.85, 1.1, 1.5])
 LINKS = (2, 3, 4, 5)
+HINGES = MIDDLE.hinges
 
 
-class SameModel(Evidence):
-    """Without the correction for finer hinges: both sides have the model that made the data."""
-
-    def fidelity(self, setting: Setting) -> tuple[Array, Array]:
-        return np.zeros(len(self.measured)), np.where(self.used, 1 / self.noise, 0.0)
-
-
-def recording(space: Space) -> Recording:
+def recording(free: Parameterisation) -> Recording:
     """IMUs of the true machine, with noise."""
     plan = CATALOGUE["slew_t"]
-    motion = run_experiment(make_plant(space.at(TRUTH).machine, HINGES), plan)
+    motion = run_experiment(make_plant(free.at(TRUTH).machine, HINGES), plan)
     log = record(motion, plan, np.random.default_rng(0))
     kept = {n: s for n, s in log.signals.items() if n.startswith(("imu", "joint", "load"))}
     return Recording(log.name, log.machine, log.description, kept)
@@ -131,19 +126,20 @@ def by_sysid(log: Recording) -> Array:
 
 def main() -> None:
     """Both, and what they found."""
-    space = replace(make_space(BOOM, KINDS), joints=0)
-    log = recording(space)
+    free = replace(make_parameterisation(BOOM, KINDS), joints=0)
+    log = recording(free)
     began = time.perf_counter()
-    evidence, nominal = SameModel(BOOM, [log], threads=1), np.zeros(space.size)
-    refined = refine(evidence, space, nominal, evidence.fidelity(space.at(nominal)))
+    predictor = predictor_of(BOOM, [log], threads=1)
+    same = np.zeros(len(predictor.data.time))  # no correction for finer hinges: both have the model that made the data
+    refined = refine(predictor, free, np.zeros(free.size), (same, noise_model(predictor.data, same, 0.0)))
     middle = time.perf_counter()
     theirs = by_sysid(log)
     end = time.perf_counter()
     print(
         "| factor | true | boom_mj | its deviation | mujoco.sysid | difference, deviations |\n|---|---|---|---|---|---|"
     )
-    for k, name in enumerate(space.names[: len(space.knobs)]):
-        ours, deviation = refined.coordinates[k], refined.deviation[k]
+    for k, name in enumerate(free.names[: len(free.tied)]):
+        ours, deviation = refined.scaled[k], refined.deviation[k]
         apart = (theirs[k] - ours) / deviation
         cells = f"{np.exp(TRUTH[k]):.4f} | {np.exp(ours):.4f} | {deviation:.4f} | {np.exp(theirs[k]):.4f}"
         print(f"| {name} | {cells} | {apart:+.2f} |")

@@ -12,8 +12,13 @@ from pathlib import Path
 from threading import Lock
 
 from boom_mj.cli.arguments import find_machine
-from boom_mj.diagnosis import Campaign, boom, campaign, diagnose, metric, screen
+from boom_mj.diagnosis import diagnose
+from boom_mj.diagnosis.screening import Screening
+from boom_mj.estimation.dataset import Dataset
+from boom_mj.estimation.linear import LinearPosterior
 from boom_mj.logs import read_log
+from boom_mj.systems.boom import system as boom
+from boom_mj.systems.predictor import Predictor, dataset_of
 
 SPENT: Counter[str] = Counter()
 CALLS: Counter[str] = Counter()
@@ -41,19 +46,23 @@ def main() -> None:
     count(boom, "run", lambda plant, *rest: f"MuJoCo and statics, {plant.model.nv} degrees of freedom")
     count(boom, "ideal_signals", lambda *args: "signals of ideal sensors")
     count(boom, "apply_sensor_effects", lambda *args: "effects of sensors")
-    count(campaign.Campaign, "_means", lambda *args: "block means")
-    count(metric.Metric, "estimate", lambda *args: "nuisances")
-    count(metric.Metric, "project", lambda *args: "projections")
-    count(screen.Signatures, "rank", lambda *args: "ranking")
+    count(Dataset, "means", lambda *args: "block means")
+    count(LinearPosterior, "estimate", lambda *args: "nuisances")
+    count(LinearPosterior, "project", lambda *args: "projections")
+    count(Screening, "rank", lambda *args: "ranking")
     wall, processor = time.perf_counter(), time.process_time()
     recordings = [read_log(path) for path in (*train, *held_out)]
-    found = Campaign(find_machine(recordings[0].machine), recordings, len(train))
+    system = boom.BoomSystem(find_machine(recordings[0].machine))
+    predictor = Predictor(system, dataset_of(system, recordings, len(train)))
 
     def tell(line: str) -> None:
         spent = time.perf_counter() - wall, time.process_time() - processor
-        print(f"{spent[0]:7.1f} s wall {spent[1]:7.1f} s CPU {found.simulated_s:8.0f} s simulated | {line}", flush=True)
+        print(
+            f"{spent[0]:7.1f} s wall {spent[1]:7.1f} s CPU {predictor.simulated_s:8.0f} s simulated | {line}",
+            flush=True,
+        )
 
-    answer = diagnose(found, tell=tell)
+    answer = diagnose(predictor, tell=tell)
     tell(answer.verdict)
     for name, seconds in SPENT.most_common():
         print(f"{seconds:7.1f} s CPU in {CALLS[name]:6d} calls: {name}")

@@ -1,4 +1,4 @@
-"""How fast the 300 s fold-in is: whole command, inner loop, other models, other steps. Writes docs/speed.md.
+"""How fast the 300 s fold-in is: whole command, inner loop, other models, other steps. Writes docs/results/speed.md.
 
 Run: .venv/bin/python -m pip install -e ".[bench]"; .venv/bin/python benchmarks/speed.py   (about 4 minutes)
 Times are CPU times of one thread, medians; ratios compare runs that took turns.
@@ -204,10 +204,10 @@ def main() -> None:
         "stages": [f"| {name} | {cost:.2f} |" for name, cost in parts],
         "steps": step_rows(machine),
     }
-    text = (ROOT / "docs" / "speed.md.in").read_text()
+    text = (ROOT / "docs" / "results" / "speed.md.in").read_text()
     for name, rows in filled.items():
         text = text.replace("{" + name + "}", "\n".join(rows))
-    (ROOT / "docs" / "speed.md").write_text(text)
+    (ROOT / "docs" / "results" / "speed.md").write_text(text)
     print(text)
 
 

@@ -1,6 +1,7 @@
-"""What spreading work gains: one, two and four workers on simulation, rendering and diagnosis. Writes docs/big_job.md.
+"""What spreading work gains: one, two, four workers on simulation, rendering, diagnosis: docs/results/spreading.md.
 
-python benchmarks/spreading.py [-o docs/big_job.md] [--points 40] [--frames 48] [--cases 8] [--full] [--turns 3]
+python benchmarks/spreading.py [-o docs/results/spreading.md]
+    [--points 40] [--frames 48] [--cases 8] [--full] [--turns 3]
 
 (About half an hour on two cores that have nothing else to do.) Workers are processes of a Dask cluster
 on this machine. They have imported what they need before the clock starts, numbers of workers take turns, and figures
@@ -277,7 +278,7 @@ def main() -> None:
     }
     print(filled["efficiency"], filled["plan"], sep="\n\n")
     if given.output is not None:
-        text = (ROOT / "docs" / "big_job.md.in").read_text()
+        text = (ROOT / "docs" / "results" / "spreading.md.in").read_text()
         for name, value in filled.items():
             text = text.replace("{" + name + "}", value)
         given.output.write_text(text)

@@ -5,9 +5,9 @@ python scripts/calibration.py FOLDER [--machines 50] [--first 0] [--jobs 1 | --c
                               [--tracked EXPERIMENT ... [--filmed FROM TO EVERY SCALE]]
 
 Stiffness +-20 %, masses +-10 %, damping x 0.5 to 2, zero offsets of joints +-0.3 deg, all drawn evenly; the paper's
-experiments, or some of them, with six hinges per coordinate and sensor noise; calibrated with two to four. Only kinds
-that are free differ from boom36. Every machine leaves a file in FOLDER: what is there is not made again, so that the
-campaign can be stopped and started at any time. `--tracked` takes the markers of some experiments from rendered
+experiments, or some of them, with six hinges per elastic coordinate and sensor noise; calibrated with two to four. Only
+kinds that are free differ from boom36. Every machine leaves a file in FOLDER: what is there is not made again, so that
+the campaign can be stopped and started at any time. `--tracked` takes the markers of some experiments from rendered
 pictures through `track` instead (minutes each; needs MUJOCO_GL=egl).
 """
 
@@ -23,7 +23,7 @@ import numpy as np
 
 from boom_mj.calibration import calibrate, document
 from boom_mj.calibration.experiments import PAPER
-from boom_mj.calibration.parameters import STIFFNESS, USUAL, Setting, Space, make_space
+from boom_mj.calibration.parameters import STIFFNESS, USUAL, Parameterisation, Variant, make_parameterisation
 from boom_mj.files import write_text
 from boom_mj.logs import read_mcap, write_mcap
 from boom_mj.machine import load_machine
@@ -31,6 +31,7 @@ from boom_mj.recording import Recording
 from boom_mj.sensors import record
 from boom_mj.simulation import make_plant, run_experiment
 from boom_mj.spreading import results
+from boom_mj.systems.boom.corrected import with_effects_text
 
 Array = np.ndarray
 ROOT = Path(__file__).parents[1]
@@ -63,16 +64,18 @@ class Order:
         return self.folder / f"machine{self.number:03d}{'_tracked' if self.tracked else ''}.json"
 
 
-def draw(space: Space, rng: np.random.Generator) -> Array:
-    """Coordinates of a machine, (space.size,)."""
+def draw(free: Parameterisation, rng: np.random.Generator) -> Array:
+    """Scaled parameters of a machine, (free.size,)."""
     factors = [
-        np.exp(rng.uniform(*np.log(DAMPING))) if knob.kind == "damping" else 1 + SPREAD[knob.kind] * rng.uniform(-1, 1)
-        for knob in space.knobs
+        np.exp(rng.uniform(*np.log(DAMPING)))
+        if group.kind == "damping"
+        else 1 + SPREAD[group.kind] * rng.uniform(-1, 1)
+        for group in free.tied
     ]
     return np.concatenate([np.log(factors), np.radians(OFFSET_DEG) * rng.uniform(-1, 1, 5)])
 
 
-def recordings(truth: Setting, order: Order) -> list[Recording]:
+def recordings(truth: Variant, order: Order) -> list[Recording]:
     """What the sensors of a machine say in the paper's experiments."""
     plant = make_plant(truth.machine, HINGES, truth.sensor)
     found = []
@@ -85,7 +88,7 @@ def recordings(truth: Setting, order: Order) -> list[Recording]:
     return found
 
 
-def with_tracked_markers(log: Recording, truth: Setting, order: Order) -> Recording:
+def with_tracked_markers(log: Recording, truth: Variant, order: Order) -> Recording:
     """The recording with markers that cameras saw, over the seconds that were filmed."""
     work = order.folder / f"machine{order.number:03d}_{log.name}"
     work.mkdir(parents=True, exist_ok=True)
@@ -101,24 +104,23 @@ def with_tracked_markers(log: Recording, truth: Setting, order: Order) -> Record
     return log.with_signals({"markers": read_mcap(markers)["markers"]})
 
 
-def truth_text(truth: Setting) -> str:
+def truth_text(truth: Variant) -> str:
     """The true machine as a file: boom36 with other numbers."""
     from boom_mj.calibration.answer import replaced_text
 
     values = {}
-    for knob in make_space(NOMINAL).knobs:
-        (parameter,) = knob.parameters
+    for group in make_parameterisation(NOMINAL).tied:
+        (parameter,) = group.parameters
         section = ("damping", 0) if parameter.link is None else ("link", parameter.link - 2)
         values.update({(*section, field): value for field, value in parameter.values(truth.machine).items() if value})
-    offsets = "".join(f"joint{k + 1} = {value}\n" for k, value in enumerate(truth.offsets))
-    return f'{replaced_text(FILE.read_text(), values)}\n[[effect]]\nid = "joint_zero_offset"\n{offsets}'
+    return with_effects_text(replaced_text(FILE.read_text(), values), truth.sensor)
 
 
 def one(order: Order) -> None:
     """Make, record and calibrate one machine."""
-    space = make_space(NOMINAL, order.free)
-    coordinates = draw(space, np.random.default_rng(order.number))
-    logs = recordings(space.at(coordinates), order)
+    free = make_parameterisation(NOMINAL, order.free)
+    scaled = draw(free, np.random.default_rng(order.number))
+    logs = recordings(free.at(scaled), order)
     found = calibrate(NOMINAL, logs, order.free, threads=1)
     answer = document(found, [log.name for log in logs])
     joined = {parameter["name"] for parameter in answer["parameters"] if parameter["with"]}
@@ -129,9 +131,9 @@ def one(order: Order) -> None:
             "found": float(y),
             "deviation": None if np.isnan(s) or name in joined else float(s),
         }
-        for name, x, y, s in zip(space.names, coordinates, found.coordinates, found.deviation)
+        for name, x, y, s in zip(free.names, scaled, found.scaled, found.deviation)
     ]
-    result = {"coordinates": rows, "wall_s": found.duration, "tracked": list(order.tracked), "answer": answer}
+    result = {"scaled": rows, "wall_s": found.duration, "tracked": list(order.tracked), "answer": answer}
     write_text(order.file, json.dumps(result, indent=1))
 
 
@@ -144,7 +146,7 @@ def table(folder: Path) -> str:
         "| parameter | median error | 90 % of errors below | widest interval, +- | intervals | held or joined |",
         "|---|---|---|---|---|---|",
     ]
-    rows = [row for result in results for row in result["coordinates"]]
+    rows = [row for result in results for row in result["scaled"]]
     names = dict.fromkeys(row["name"] for row in rows if "offset" not in row["name"])
     kinds = dict.fromkeys(name.rpartition(".")[2] for name in names)
     for name in (*(f"all {kind}" for kind in kinds), *names):

@@ -1,4 +1,4 @@
-"""How well cameras measure a boom: geometry, errors of tracked markers, what spoils them. Writes docs/cameras.md.
+"""How well cameras measure a boom: geometry, errors of tracked markers, what spoils them: docs/results/cameras.md.
 
 Run: MUJOCO_GL=egl .venv/bin/python scripts/cameras.py   (about an hour on two cores; pictures stay in out/cameras,
 6 GB, and what is there is not made again, so that it can be stopped and started at any time)
@@ -258,10 +258,10 @@ def main() -> None:
         "workers": "\n".join(workers),
     }
     draw_picture(ROOT / "docs" / "cameras.png")
-    text = (ROOT / "docs" / "cameras.md.in").read_text()
+    text = (ROOT / "docs" / "results" / "cameras.md.in").read_text()
     for name, value in filled.items():
         text = text.replace("{" + name + "}", value)
-    (ROOT / "docs" / "cameras.md").write_text(text)
+    (ROOT / "docs" / "results" / "cameras.md").write_text(text)
     print(text)
 
 

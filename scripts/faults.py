@@ -1,4 +1,4 @@
-"""Every command against broken files, bad places, full disks and kills; prints the tables of docs/bad_day.md.
+"""Every command against broken files, bad places, full disks and kills; prints a table of docs/results/robustness.md.
 
     python scripts/faults.py [--each 12] [--seed 1]
 

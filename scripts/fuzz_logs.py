@@ -1,4 +1,4 @@
-"""Breaks logs of every format in 10 000 ways and counts how reading ends; prints the table of docs/logs.md.
+"""Breaks logs of every format in 10 000 ways, counts how reading ends; prints a table of docs/results/robustness.md.
 
     python scripts/fuzz_logs.py [--files 10000] [--seed 1]
 

@@ -1,4 +1,4 @@
-"""Which integrator, step and drive: accuracy against a fine solution, damping added, cost. Writes docs/integrators.md.
+"""Which integrator, step and drive: accuracy, damping added, cost. Writes docs/explanation/integrators.md.
 
 Run: .venv/bin/python scripts/integrators.py   (about 3 minutes on one core)
 """
@@ -91,10 +91,10 @@ def drives(machine: Machine) -> list[str]:
 def main() -> None:
     machine = load_machine(ROOT / "models" / "boom36.toml")
     rows = [row for hinges in (1, 4) for row in table(machine, hinges, "release_stretched_vertical")]
-    text = (ROOT / "docs" / "integrators.md.in").read_text()
+    text = (ROOT / "docs" / "explanation" / "integrators.md.in").read_text()
     text = text.replace("{integrators}", "\n".join(rows)).replace("{drives}", "\n".join(drives(machine)))
-    (ROOT / "docs" / "integrators.md").write_text(text)
-    print(f"wrote {ROOT / 'docs' / 'integrators.md'}")
+    (ROOT / "docs" / "explanation" / "integrators.md").write_text(text)
+    print(f"wrote {ROOT / 'docs' / 'explanation' / 'integrators.md'}")
 
 
 if __name__ == "__main__":

@@ -3,8 +3,8 @@
 python scripts/paper_page.py -o PAGE.html [--json PAGE.json] [--machine 0]   (about five minutes)
 
 A machine of the campaign of scripts/calibration.py (stiffness, masses and damping off, zero offsets of joints, six
-hinges per coordinate, sensor noise) does the paper's seven experiments and the T-shaped pose. It is calibrated from
-those, and validated with them and with the 300 s fold-in, from which nothing is learnt.
+hinges per elastic coordinate, sensor noise) does the paper's seven experiments and the T-shaped pose. It is calibrated
+from those, and validated with them and with the 300 s fold-in, from which nothing is learnt.
 """
 
 import argparse
@@ -17,7 +17,7 @@ import numpy as np
 from calibration import HINGES, NOMINAL, Order, draw, recordings
 
 from boom_mj.calibration import calibrate, document, validate, validation_document
-from boom_mj.calibration.parameters import make_space
+from boom_mj.calibration.parameters import make_parameterisation
 from boom_mj.files import write_text
 from boom_mj.report import write_calibration
 from boom_mj.sensors import record
@@ -38,7 +38,9 @@ def main() -> None:
     def tell(line: str) -> None:
         print(f"{time.perf_counter() - began:6.1f} s  {line}", file=sys.stderr, flush=True)
 
-    truth = make_space(NOMINAL).at(draw(make_space(NOMINAL), np.random.default_rng(given.machine)))
+    truth = make_parameterisation(NOMINAL).at(
+        draw(make_parameterisation(NOMINAL), np.random.default_rng(given.machine))
+    )
     logs = recordings(truth, Order(Path(), given.machine))
     tell("the paper's experiments are recorded")
     motion = run_experiment(make_plant(truth.machine, HINGES, truth.sensor), FOLD_IN)

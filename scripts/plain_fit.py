@@ -2,8 +2,8 @@
 
     python scripts/plain_fit.py --map models/real/emps.toml LOG... [--holdout LOG...]
 
-Parameters are those that a nominal file holds: damping, stiffness, armature and masses. The gap is said in the same
-metric as `gap diagnose` says it, so that the lines can be compared.
+Parameters are those that a nominal file holds: damping, stiffness, armature and masses. The gap is whitened as
+`gap diagnose` does it, so that the lines can be compared.
 """
 
 import argparse
@@ -11,13 +11,16 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
-from boom_mj.diagnosis.candidate import Candidate
+from boom_mj.diagnosis.candidate import Candidate, Kind
 from boom_mj.diagnosis.fitting import fit
-from boom_mj.diagnosis.linearisation import make_metric
-from boom_mj.diagnosis.scoring import gap, judge
-from boom_mj.systems.mjcf import robot_campaign
+from boom_mj.diagnosis.linearisation import Linearisation, linearise
+from boom_mj.diagnosis.scoring import score
+from boom_mj.effects import builtin
+from boom_mj.estimation.bootstrap import gap
+from boom_mj.systems.mjcf import load_mjcf
+from boom_mj.systems.predictor import Predictor
 
-PARAMETERS = ("viscous_friction", "joint_stiffness", "armature", "body_mass", "link_stiffness", "link_damping")
+PARAMETERS = ("viscous_joint_friction", "joint_stiffness", "armature", "body_mass", "link_stiffness", "link_damping")
 
 
 def main() -> None:
@@ -27,23 +30,32 @@ def main() -> None:
     parser.add_argument("--model", type=Path)
     parser.add_argument("--holdout", nargs="+", type=Path, default=[])
     given = parser.parse_args()
-    campaign = robot_campaign(given.logs, given.holdout, given.map, given.model)
+    system, data = load_mjcf(given.logs, given.holdout, given.map, given.model)
     with threadpool_limits(1):
-        metric = make_metric(campaign)
-        nominal = metric.clean(metric.residual(metric.base))
-        library = [(kind, place) for kind, place in campaign.subject.library() if kind.id in PARAMETERS]
-        felt = [(kind, place) for kind, place in library if _felt(metric, kind(place, **kind.probes(place)[0][0]))]
-        found = judge(metric, fit(metric, Candidate(tuple(kind(place) for kind, place in felt))))
-    for effect, (number, name, knob) in zip(found.fit.effects, found.fit.candidate.knobs):
-        print(f"{effect.id:18} {effect.name:10} {name:10} {found.fit.effects[number].values[name]:10.4g} {knob.unit}")
-    print(f"gap training {gap(nominal, campaign.train):.2f} -> {found.train:.2f}")
-    print(f"gap held out {gap(nominal, campaign.held_out):.2f} -> {found.held_out:.2f}")
+        model = linearise(Predictor(system, data))
+        nominal = model.clean(model.residual(model.base))
+        kinds = [
+            (kind, site)
+            for name, kind in builtin().items()
+            if name in PARAMETERS
+            for site in kind.allowed(system.sites())
+        ]
+        felt = tuple(kind(site) for kind, site in kinds if _felt(model, (kind, site)))
+        found = score(model, fit(model, Candidate(felt)))
+    for number, name, parameter in found.fit.candidate.parameters:
+        effect = found.fit.effects[number]
+        place = "/".join(map(str, effect.location.values()))
+        print(f"{effect.id:22} {place:10} {name:10} {effect.values[name]:10.4g} {parameter.unit}")
+    print(f"gap training {gap(nominal, data.train):.2f} -> {found.train:.2f}")
+    print(f"gap held out {gap(nominal, data.held_out):.2f} -> {found.held_out:.2f}")
 
 
-def _felt(metric, effect) -> bool:
+def _felt(model: Linearisation, what: Kind) -> bool:
     """Whether the data say anything of it."""
-    moved, still = metric.campaign.predict([(effect,), ()], metric.campaign.subject.fidelity.coarse)
-    return float(abs(metric.white(moved - still)).max()) > 1e-3
+    kind, site = what
+    effect = kind(site, **kind.screening(site)[0][0])
+    moved, still = model.predictor.predict([(effect,), ()], model.facts.fidelity.coarse)
+    return float(abs(model.noise.white(moved - still)).max()) > 1e-3
 
 
 if __name__ == "__main__":

@@ -1,16 +1,20 @@
 """Pages of the documentation that come from the code: a hook of mkdocs (mkdocs.yml), built by scripts/site.
 
 Home is the README, the commands come from the command line's own help, the Python reference from what the rooms
-export, the effects from the library, and docs/equations.md gets links to the code that says the equations' numbers.
+export, effects and criteria from their tables; reference/files.md gets the keys of every file, reference/equations.md
+links to the code that says the equations' numbers.
 """
 
 import ast
 import inspect
 import io
+import json
 import re
 import tokenize
 from collections import defaultdict
+from collections.abc import Mapping, Sequence
 from importlib import import_module
+from itertools import groupby
 from pathlib import Path
 from types import ModuleType
 from typing import NamedTuple
@@ -20,17 +24,22 @@ import typer.cli
 from pydantic import BaseModel
 
 from boom_mj.cli import app
-from boom_mj.effects import effect_library
-from boom_mj.effects.effect import Parameter
-from boom_mj.effects.general_effect import general_library
+from boom_mj.diagnosis.criteria import described
+from boom_mj.effects import BOOM_SITES, Effect, Parameter, Site, builtin
+from boom_mj.logs.topics import TOPICS
+from boom_mj.logs.units import UNITS
+from boom_mj.recording import QUANTITIES
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "boom_mj"
 ROOMS = (
     "boom_mj", "boom_mj.errors", "boom_mj.machine", "boom_mj.recording", "boom_mj.effects", "boom_mj.reference",
-    "boom_mj.mjcf", "boom_mj.simulation", "boom_mj.sensors", "boom_mj.logs", "boom_mj.calibration", "boom_mj.diagnosis",
-    "boom_mj.systems.mjcf", "boom_mj.blind", "boom_mj.report",
+    "boom_mj.mjcf", "boom_mj.simulation", "boom_mj.sensors", "boom_mj.replay", "boom_mj.logs", "boom_mj.systems.boom",
+    "boom_mj.systems.mjcf", "boom_mj.calibration", "boom_mj.diagnosis", "boom_mj.blind", "boom_mj.report",
+    "boom_mj.testing",
 )  # fmt: skip
+CRITERIA = "boom_mj.diagnosis.criteria"
+SYSTEMS, PROTOCOLS = "boom_mj.systems.", "systems.system"
 LAST = 35  # equation of the paper
 EQUATION = re.compile(r"(?<![\w)\]])\((\d\d?)[a-d]?\)(?:-\((\d\d?)\))?|\beqs?\. \(?(\d\d?)\)?(?:, (\d\d?))?")
 
@@ -57,6 +66,7 @@ def on_files(files, config):  # type: ignore[no-untyped-def]
         "reference/commands.md": commands(),
         "reference/python.md": python(),
         "reference/effects.md": effects(),
+        "reference/criteria.md": criteria(),
     }
     for name, text in pages.items():
         files.append(File.generated(config, name, content=text))
@@ -75,8 +85,9 @@ def on_post_build(config):  # type: ignore[no-untyped-def]
 
 
 def on_page_markdown(markdown, page, config, files):  # type: ignore[no-untyped-def]
-    """Link the equations to the code."""
-    return with_code(markdown) if page.file.src_uri == "equations.md" else markdown
+    """Link the equations to the code, and fill the tables of files."""
+    made = {"reference/equations.md": with_code, "reference/files.md": with_keys}
+    return made.get(page.file.src_uri, str)(markdown)
 
 
 # Home and commands
@@ -101,8 +112,13 @@ def commands() -> str:
 
 
 def public_names(module: ModuleType) -> list[str]:
-    """What a room exports."""
-    names = getattr(module, "__all__", None) or [n for n, v in vars(module).items() if not inspect.ismodule(v)]
+    """What a room exports; of a single file, what it defines."""
+    names = getattr(module, "__all__", None) or [
+        name
+        for name, value in vars(module).items()
+        if not inspect.ismodule(value)
+        and (hasattr(module, "__path__") or getattr(value, "__module__", None) == module.__name__)
+    ]
     return sorted(name for name in names if not name.startswith("_"))
 
 
@@ -151,32 +167,117 @@ def _is_table(path: str) -> bool:
 
 
 def effects() -> str:
-    """The library: physics, places, parameters with bounds, what each is confused with."""
-    lines = ["# Effects", "", "What a machine can have and its file lack. `typical`: a size worth finding.", ""]
+    """The library: physics, sites, parameters with bounds, what each is confused with."""
+    lines = ["# Effects", "", "What a machine can have and its file lack. `typical`: a size that matters.", ""]
     lines += ["## Of a boom", ""]
-    for kind in effect_library().values():
-        lines += [f"### {kind.id}", "", _paragraphs(kind), ""]
-        lines += [f"- {key}: {', '.join(map(str, choices))}" for key, choices in kind.places.items()]
-        lines += ["", *_table(kind.parameters), ""]
-        lines += [f"Confused with: {', '.join(kind.confused_with) or 'nothing known'}. Told by: {kind.told_by}.", ""]
-    lines += ["## Of any MJCF machine", "", "Sizes and places come from the model and its logs.", ""]
-    for general in general_library().values():
-        lines += [f"### {general.id} {{#any-{general.id}}}", "", _paragraphs(general), ""]
-        lines += [f"At: {general.where or 'the whole machine'}. Confused with: {', '.join(general.confused_with)}. "]
-        lines += [f"Told by: {general.told_by}.", ""]
+    for kind in builtin().values():
+        if sites := kind.allowed(BOOM_SITES):
+            lines += [f"### {kind.id}", "", _paragraphs(kind), ""]
+            lines += [f"- {key}: {', '.join(choices)}" for key, choices in _choices(sites).items()]
+            lines += ["", *_table(kind.parameters(sites[0])), "", _alike(kind), ""]
+    lines += ["## Of any MJCF machine", "", "Sizes and sites come from the model and its logs.", ""]
+    for kind in builtin().values():
+        if "boom" not in kind.needs:
+            at = " and ".join(kind.at) or "the whole machine"
+            lines += [f"### {kind.id} {{#any-{kind.id}}}", "", _paragraphs(kind), "", f"At: {at}. {_alike(kind)}", ""]
     return "\n".join(lines)
+
+
+def _choices(sites: Sequence[Site]) -> dict[str, list[str]]:
+    """What locations are made of, by key."""
+    keys = dict.fromkeys(key for site in sites for key in site.keys)
+    return {key: list(dict.fromkeys(str(s.location[key]) for s in sites if key in s.location)) for key in keys}
+
+
+def _alike(kind: type[Effect]) -> str:
+    alike = ", ".join(kind.confused_with) or "nothing known"
+    return f"Confused with: {alike}. Separated by: {kind.separating_experiment}."
 
 
 def _paragraphs(kind: type) -> str:
     return (inspect.getdoc(kind) or "").replace("*", r"\*")
 
 
-def _table(parameters: dict[str, Parameter]) -> list[str]:
+def _table(parameters: Mapping[str, Parameter]) -> list[str]:
     rows = ["| parameter | unit | neutral | from | to | typical |", "|---|---|---|---|---|---|"]
     return rows + [
         f"| {name} | {p.unit} | {p.neutral:g} | {p.low:g} | {p.high:g} | {p.typical:g} |"
         for name, p in parameters.items()
     ]
+
+
+# Criteria
+
+
+def criteria() -> str:
+    """Every number that decides about an answer."""
+    lines = ["# Criteria", "", (inspect.getdoc(import_module(CRITERIA)) or "").replace("\n", " "), ""]
+    titles = {"criteria": "What decides", "search": "What is tried"}
+    for family, rows in groupby(described(), lambda row: row[0]):
+        lines += [
+            f"## {titles[family]}",
+            "",
+            "| name | boom | any MJCF machine | unit | reason |",
+            "|---|---|---|---|---|",
+        ]
+        lines += [
+            f"| `{field.name}` | {values['boom']:g} | {values['mjcf']:g} "
+            f"| {field.metadata['unit']} | {field.metadata['reason']} |"
+            for _, field, values in rows
+        ]
+        lines += [""]
+    return "\n".join([*lines, "`gap criteria` prints the same.", ""])
+
+
+# Files
+
+
+def with_keys(markdown: str) -> str:
+    """The page of files with the tables that its comments ask for."""
+    fills = {"keys": _keys, "file": _shown, "signals": _signals, "units": _units}
+    return re.sub(r"^<!-- (\w+)(?:: (\S+))? -->$", lambda m: fills[m[1]](m[2] or ""), markdown, flags=re.M)
+
+
+def _keys(path: str) -> str:
+    """Keys of a table of a file, with what its class says of them."""
+    module, _, name = path.rpartition(".")
+    kind = getattr(import_module(module), name)
+    said = _attributes(inspect.getdoc(kind) or "")
+    lines = ["| key | if left out | |", "|---|---|---|"]
+    for field, info in kind.model_fields.items():
+        default = info.get_default(call_default_factory=True)
+        empty = default in ((), {}, "", None) or isinstance(default, BaseModel)
+        left_out = "required" if info.is_required() else "" if empty else f"`{json.dumps(default)}`"
+        lines.append(f"| `{info.alias or field}` | {left_out} | {said.get(field, '')} |")
+    return "\n".join(lines)
+
+
+def _attributes(text: str) -> dict[str, str]:
+    """By name, what the section "Attributes:" of a docstring says."""
+    _, _, section = text.partition("Attributes:\n")
+    entries = re.findall(r"^    (\w[\w, ]*): (.*(?:\n     .*)*)", section, re.M)
+    return {name: re.sub(r"\s+", " ", said).rstrip(".") for names, said in entries for name in names.split(", ")}
+
+
+def _shown(path: str) -> str:
+    return f"```toml\n{(ROOT / path).read_text()}```"
+
+
+def _signals(_: str) -> str:
+    """Every signal that a log may hold: where, in what unit and frame, with which channels."""
+    lines = ["| signal | topic | message | unit | frame | channels |", "|---|---|---|---|---|---|"]
+    for topic in TOPICS:
+        for signal in topic.signals.values():
+            quantity = QUANTITIES[signal]
+            names = quantity.channels or ("any number of points",)
+            shown = ", ".join(names if len(names) < 6 else (names[0], "..", names[-1]))
+            what = f"{topic.kind.ros_type} | {quantity.unit} | {quantity.frame} | {shown}"
+            lines.append(f"| `{signal}` | `{topic.name}` | {what} |")
+    return "\n".join(lines)
+
+
+def _units(_: str) -> str:
+    return "\n".join(f"| {si} | {', '.join(known)} |" for si, known in UNITS.items())
 
 
 # Equations
@@ -257,17 +358,23 @@ def listing_of(path: Path) -> str:
 
 
 def undocumented() -> tuple[int, list[str]]:
-    """How many names the rooms export, methods and properties included, and those without a docstring of their own."""
+    """How many names the rooms export, methods and properties included, and those without a docstring.
+
+    Members of a system are documented by the protocols that it meets.
+    """
     from griffe import load
 
     package, count, bare = load("boom_mj", search_paths=[ROOT]), 0, []
+    protocols = [kind for kind in package[PROTOCOLS].classes.values() if "Protocol" in map(str, kind.bases)]
+    met = {name for kind in protocols for name, member in kind.members.items() if member.has_docstring}
     for path in sorted({path for paths in public_paths().values() for path in paths}):
         found = package[path.removeprefix("boom_mj.")]
         said = {path: found.has_docstring}
         for base in reversed((found, *found.mro())) if found.is_class else ():
             for name, member in base.members.items():
                 if not name.startswith("_") and (member.is_function or "property" in member.labels):
-                    said[f"{path}.{name}"] = member.has_docstring or said.get(f"{path}.{name}", False)
+                    inherited = said.get(f"{path}.{name}", path.startswith(SYSTEMS) and name in met)
+                    said[f"{path}.{name}"] = member.has_docstring or inherited
         count += len(said)
         bare += [name for name, documented in said.items() if not documented]
     return count, bare

@@ -1,4 +1,4 @@
-"""Which smoother of joint angles, by what their twin says of sensors that no smoother saw. Writes docs/smoothing.md.
+"""Which smoother of joint angles, by sensors that no smoother saw. Writes docs/explanation/smoothing.md.
 
 Run: .venv/bin/python scripts/smoothing.py FOLDER   (about a minute; recordings of a healthy machine whose joints follow
 their command exactly, and a file truth.json with the zero offsets of its angle sensors, joint_zero_offset_deg)
@@ -166,9 +166,9 @@ def main() -> None:
     plant, rows = make_plant(load_machine(ROOT / "models" / "boom36.toml"), HINGES), []
     for name in LOGS:
         rows += table(plant, read_log(next(folder.rglob(f"{name}.mcap"))), offsets)
-    text = (ROOT / "docs" / "smoothing.md.in").read_text()
-    (ROOT / "docs" / "smoothing.md").write_text(text.replace("{rows}", "\n".join(rows)))
-    print(f"wrote {ROOT / 'docs' / 'smoothing.md'}")
+    text = (ROOT / "docs" / "explanation" / "smoothing.md.in").read_text()
+    (ROOT / "docs" / "explanation" / "smoothing.md").write_text(text.replace("{rows}", "\n".join(rows)))
+    print(f"wrote {ROOT / 'docs' / 'explanation' / 'smoothing.md'}")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""The slow comparisons of docs/validation.md, printed as its tables.
+"""The slow comparisons of docs/results/validation.md, printed as its tables.
 
 Run: .venv/bin/python scripts/validation.py [FOLDER OF LOGS]   (about 5 minutes on two cores)
 """

@@ -9,7 +9,7 @@ import numpy as np
 
 from boom_mj.calibration.calibrate import Calibration
 from boom_mj.calibration.evidence import COARSE, FINE, MIDDLE, model_error, predict
-from boom_mj.calibration.parameters import JOINTS, Setting
+from boom_mj.calibration.parameters import JOINTS, Variant
 from boom_mj.errors import MachineFileError
 from boom_mj.estimation.intervals import Z95
 from boom_mj.machine import parse_machine
@@ -34,7 +34,7 @@ def document(found: Calibration, names: Sequence[str]) -> dict[str, Any]:
         "sentence": sentence(found),
         "parameters": parameters(found),
         "zero_offsets_deg": [_offset(found, k) for k in range(JOINTS)],
-        "not_told": list(found.given_up),
+        "not_told": list(found.fixed),
         "at_bound": list(refined.at_bound),
         "identifiability": {
             "rank": found.identified.rank,
@@ -62,10 +62,10 @@ def document(found: Calibration, names: Sequence[str]) -> dict[str, Any]:
 
 def parameters(found: Calibration) -> list[dict[str, Any]]:
     """Every parameter that was asked for: value, 95 % interval, factor on the file's value."""
-    owner = {p: knob for knob in found.refined.space.knobs for p in knob.parameters}
+    owner = {p: group for group in found.refined.free.tied for p in group.parameters}
     listed = []
-    for knob, x, deviation in zip(found.whole.knobs, found.coordinates, found.deviation):
-        (parameter,) = knob.parameters
+    for group, x, deviation in zip(found.whole.tied, found.scaled, found.deviation):
+        (parameter,) = group.parameters
         value, held = parameter.value(found.machine), bool(np.isnan(deviation))
         low, high = (None if held else value * float(np.exp(x + side * Z95 * deviation)) for side in (-1, 1))
         listed.append(
@@ -86,15 +86,15 @@ def parameters(found: Calibration) -> list[dict[str, Any]]:
 
 def sentence(found: Calibration) -> str:
     """The result in words."""
-    free, asked = len(found.refined.space.knobs), len(found.whole.knobs)
+    free, asked = len(found.refined.free.tied), len(found.whole.tied)
     widest = int(np.argmax(found.refined.deviation[:free]))
     text = f"{free} of {asked} parameters calibrated" if free < asked else f"All {asked} parameters calibrated"
     text += (
-        f"; the least certain is {found.refined.space.names[widest]}, "
+        f"; the least certain is {found.refined.free.names[widest]}, "
         f"to {Z95 * found.refined.deviation[widest]:.1%} (95 %)"
     )
-    if found.given_up:
-        text += f". Not told: {'; '.join(found.given_up)}"
+    if found.fixed:
+        text += f". Not told: {'; '.join(found.fixed)}"
     if found.refined.at_bound:
         text += f". At a bound: {', '.join(found.refined.at_bound)}"
     return f"{text}."
@@ -107,12 +107,12 @@ def calibrated_text(text: str, found: Calibration) -> str:
         MachineFileError: a value does not stand on a line of its own and cannot be replaced.
     """
     source, values = parse_machine(text), {}
-    for knob, x in zip(found.whole.knobs, found.coordinates):
-        (parameter,) = knob.parameters
+    for group, x in zip(found.whole.tied, found.scaled):
+        (parameter,) = group.parameters
         section = ("damping", 0) if parameter.link is None else ("link", parameter.link - 2)
         moved = {field: value * float(np.exp(x)) for field, value in parameter.values(source).items()}
         values.update({(*section, field): value for field, value in moved.items() if value and x})
-    return replaced_text(text, values).rstrip("\n") + "\n\n" + _effect(found.setting)
+    return replaced_text(text, values).rstrip("\n") + "\n\n" + _effect(found.variant)
 
 
 def replaced_text(text: str, values: Mapping[tuple[str, int, str], float]) -> str:
@@ -146,14 +146,14 @@ def replaced_text(text: str, values: Mapping[tuple[str, int, str], float]) -> st
     return made
 
 
-def _effect(setting: Setting) -> str:
+def _effect(variant: Variant) -> str:
     entry = '\n[[effect]]\nid = "joint_zero_offset"\njoint = {}\noffset = {:.6g}\n'
-    entries = "".join(entry.format(k + 1, value) for k, value in enumerate(setting.offsets))
+    entries = "".join(entry.format(k + 1, value) for k, value in enumerate(variant.offsets))
     return f"# zero offsets of the joint sensors, rad, estimated along{entries}"
 
 
 def _offset(found: Calibration, joint: int) -> dict[str, float]:
-    value, deviation = (np.degrees(v[joint - JOINTS]) for v in (found.refined.coordinates, found.refined.deviation))
+    value, deviation = (np.degrees(v[joint - JOINTS]) for v in (found.refined.scaled, found.refined.deviation))
     return {
         "value": float(value),
         "low": float(value - Z95 * deviation),

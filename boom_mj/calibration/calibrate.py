@@ -10,9 +10,9 @@ from threadpoolctl import threadpool_limits
 from boom_mj.calibration.evidence import model_error, predictor_of
 from boom_mj.calibration.features import Features, features_of
 from boom_mj.calibration.identify import Identifiability, identify, simplify
-from boom_mj.calibration.parameters import JOINTS, USUAL, Setting, Space, make_space
+from boom_mj.calibration.parameters import JOINTS, USUAL, Parameterisation, Variant, make_parameterisation
 from boom_mj.calibration.refine import ROUGH, Refined, refine, sensitivities
-from boom_mj.calibration.steps import approach
+from boom_mj.calibration.steps import initial_estimate
 from boom_mj.errors import LogError
 from boom_mj.machine import Machine
 from boom_mj.recording import Recording
@@ -28,44 +28,44 @@ class Calibration:
     Attributes:
         machine: as the file had it.
         predictor: of its recordings.
-        whole: the space of all parameters that were asked for.
+        whole: the parameterisation of all parameters that were asked for.
         identified: what the data tell of them.
-        given_up: sentences about parameters that are held or joined.
+        fixed: sentences about parameters that are fixed or tied.
         features: at rest and in decays.
-        begin: coordinates after the three steps, in `whole`.
-        refined: of the coordinates that are left.
+        begin: scaled parameters after the three steps, in `whole`.
+        refined: of the scaled parameters that are left.
         duration: wall time, s.
     """
 
     machine: Machine
     predictor: Predictor
-    whole: Space
+    whole: Parameterisation
     identified: Identifiability
-    given_up: tuple[str, ...]
+    fixed: tuple[str, ...]
     features: Features
     begin: Array
     refined: Refined
     duration: float
 
     @property
-    def setting(self) -> Setting:
+    def variant(self) -> Variant:
         """The calibrated machine and the zero offsets."""
-        return self.refined.setting
+        return self.refined.variant
 
     @property
-    def nominal(self) -> Setting:
+    def nominal(self) -> Variant:
         """The machine as its file has it, with the zero offsets that were found."""
-        return Setting(self.machine, self.setting.offsets)
+        return Variant(self.machine, self.variant.offsets)
 
     @property
-    def coordinates(self) -> Array:
-        """In the whole space, (whole.size,)."""
-        return self.refined.space.gathering(self.whole) @ self.refined.coordinates
+    def scaled(self) -> Array:
+        """In the whole parameterisation, (whole.size,)."""
+        return self.refined.free.gathering(self.whole) @ self.refined.scaled
 
     @property
     def deviation(self) -> Array:
-        """Of every coordinate of the whole space; NaN where one is held, (whole.size,)."""
-        gathering = self.refined.space.gathering(self.whole)
+        """Of every scaled parameter of the whole parameterisation; NaN where one is held, (whole.size,)."""
+        gathering = self.refined.free.gathering(self.whole)
         return np.where(gathering.any(axis=1), gathering @ self.refined.deviation, np.nan)
 
 
@@ -88,29 +88,29 @@ def calibrate(
     """
     with threadpool_limits(1):  # simulations have the cores
         began = perf_counter()
-        whole = make_space(machine, kinds)
+        whole = make_parameterisation(machine, kinds)
         predictor = predictor_of(machine, recordings, threads)
         tables = [predictor.data.table(index) for index in range(len(recordings))]
-        features = features_of(tables, Setting(machine))
+        features = features_of(tables, Variant(machine))
         tell(f"{len(features.rests)} rests and {len(features.releases)} releases in {len(recordings)} recordings")
-        begin = approach(features, whole, tell)
-        tell(f"sensitivities of {len(whole.knobs)} parameters and {JOINTS} zero offsets")
+        begin = initial_estimate(features, whole, tell)
+        tell(f"sensitivities of {len(whole.tied)} parameters and {JOINTS} zero offsets")
         error = model_error(predictor, whole.at(begin))
         jacobian = sensitivities(predictor, whole, begin, error[1])
         identified = identify(jacobian, whole)
-        space, given_up = simplify(jacobian, whole)
-        for sentence in given_up:
+        free, fixed = simplify(jacobian, whole)
+        for sentence in fixed:
             tell(sentence)
-        if not space.knobs:
+        if not free.tied:
             raise LogError(f"these recordings tell nothing of {', '.join(kinds)}")
-        gathering = space.gathering(whole)
+        gathering = free.gathering(whole)
         share = gathering / gathering.sum(axis=0)
-        refined = refine(predictor, space, share.T @ begin, error, jacobian @ gathering, ROUGH, tell)
+        refined = refine(predictor, free, share.T @ begin, error, jacobian @ gathering, ROUGH, tell)
         tell("again, with the model's own error taken where that has led")
-        error = model_error(predictor, refined.setting)
-        refined = refine(predictor, space, refined.coordinates, error, refined.weighted(error[1].weight), tell=tell)
+        error = model_error(predictor, refined.variant)
+        refined = refine(predictor, free, refined.scaled, error, refined.weighted(error[1].weight), tell=tell)
         found = Calibration(
-            machine, predictor, whole, identified, given_up, features, begin, refined, perf_counter() - began
+            machine, predictor, whole, identified, fixed, features, begin, refined, perf_counter() - began
         )
         tell(f"done in {found.duration:.0f} s, {predictor.simulated_s:.0f} s simulated: {refined.status}")
         return found

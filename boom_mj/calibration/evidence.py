@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from boom_mj.calibration.parameters import Setting
+from boom_mj.calibration.parameters import Variant
 from boom_mj.errors import LogError
 from boom_mj.estimation.noise import NoiseModel, noise_model
 from boom_mj.machine import Machine
@@ -41,13 +41,13 @@ def predictor_of(machine: Machine, recordings: Sequence[Recording], threads: int
     return Predictor(system, data, threads)
 
 
-def predict(predictor: Predictor, settings: Sequence[Setting], level: Level) -> list[Array]:
-    """The long vector of every setting, (N,) each; NaN where a simulation failed."""
-    return predictor.predict([setting.hypothesis for setting in settings], level)
+def predict(predictor: Predictor, variants: Sequence[Variant], level: Level) -> list[Array]:
+    """The long vector of every variant, (N,) each; NaN where a simulation failed."""
+    return predictor.predict([variant.hypothesis for variant in variants], level)
 
 
-def model_error(predictor: Predictor, setting: Setting) -> tuple[Array, NoiseModel]:
+def model_error(predictor: Predictor, variant: Variant) -> tuple[Array, NoiseModel]:
     """What finer hinges would add to the prediction, (N,), by Richardson, and the noise with a share of it."""
-    usual, fine = (predict(predictor, [setting], level)[0] for level in (MIDDLE, FINE))
+    usual, fine = (predict(predictor, [variant], level)[0] for level in (MIDDLE, FINE))
     change = (fine - usual) / (1 - (MIDDLE.hinges / FINE.hinges) ** ORDER)
     return change, noise_model(predictor.data, np.nan_to_num(change), along_share=0.0)

@@ -11,7 +11,7 @@ from functools import cache
 import numpy as np
 
 from boom_mj.calibration.evidence import COARSE, MIDDLE, ORDER
-from boom_mj.calibration.parameters import Setting
+from boom_mj.calibration.parameters import Variant
 from boom_mj.calibration.release import Release, Rest, excited_modes, first_rest, release_of
 from boom_mj.estimation.dataset import Table
 from boom_mj.machine import cylinder_forces
@@ -39,10 +39,10 @@ class Features:
     measured: Values
     deviation: Values
 
-    def of(self, setting: Setting, hinges: int) -> Values:
+    def of(self, variant: Variant, hinges: int) -> Values:
         """The same features of a model."""
-        plant = make_plant(setting.machine, hinges)
-        offsets, machine = np.array(setting.offsets), setting.machine
+        plant = make_plant(variant.machine, hinges)
+        offsets, machine = np.array(variant.offsets), variant.machine
 
         @cache
         def at_rest(joints: tuple[float, ...], load: tuple[float, ...]) -> Array:
@@ -68,14 +68,14 @@ class Features:
             "damping": np.array(ratios),
         }
 
-    def correction(self, setting: Setting) -> Values:
+    def correction(self, variant: Variant) -> Values:
         """What finest hinges would add to the features of a coarse model."""
-        fine, coarse = self.of(setting, MIDDLE.hinges), self.of(setting, COARSE.hinges)
+        fine, coarse = self.of(variant, MIDDLE.hinges), self.of(variant, COARSE.hinges)
         grown = 1 / (1 - (COARSE.hinges / MIDDLE.hinges) ** ORDER)
         return {kind: grown * (fine[kind] - coarse[kind]) for kind in fine}
 
 
-def features_of(tables: Sequence[Table], nominal: Setting) -> Features:
+def features_of(tables: Sequence[Table], nominal: Variant) -> Features:
     """Features of all recordings.
 
     Args:

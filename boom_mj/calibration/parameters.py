@@ -1,7 +1,7 @@
 """What a calibration may change: factors on numbers of the machine file, and zero offsets of the joint sensors.
 
-A coordinate is the logarithm of a factor, 0 at the file's own value, or a zero offset in rad. Parameters that the data
-cannot tell apart share a coordinate: their ratio stays what the file says.
+A scaled parameter is the logarithm of a factor, 0 at the file's own value, or a zero offset in rad. Parameters that the
+data cannot tell apart are tied, they share one: their ratio stays what the file says.
 """
 
 from collections.abc import Sequence
@@ -86,7 +86,7 @@ class Parameter:
 
 
 @dataclass(frozen=True)
-class Knob:
+class Tied:
     """One or more parameters of a kind that share a factor."""
 
     parameters: tuple[Parameter, ...]
@@ -121,7 +121,7 @@ class OtherMachine(MachineEffect):
 
 
 @dataclass(frozen=True)
-class Setting:
+class Variant:
     """A machine and the zero offsets of its joint sensors, q1..q5, rad: what predicts a recording."""
 
     machine: Machine
@@ -140,87 +140,87 @@ class Setting:
 
 
 @dataclass(frozen=True)
-class Space:
-    """Coordinates of a calibration: one per knob, then the five zero offsets.
+class Parameterisation:
+    """Scaled parameters of a calibration: one per tied group, then the five zero offsets.
 
     Attributes:
         machine: whose numbers are scaled.
-        knobs: in the order of the coordinates.
+        tied: in the order of the scaled parameters.
         joints: whose zero offsets are free: all, or none.
     """
 
     machine: Machine
-    knobs: tuple[Knob, ...]
+    tied: tuple[Tied, ...]
     joints: int = JOINTS
 
     @property
     def size(self) -> int:
-        return len(self.knobs) + self.joints
+        return len(self.tied) + self.joints
 
     @property
     def names(self) -> tuple[str, ...]:
-        return (*(knob.name for knob in self.knobs), *(f"joint{k + 1}.zero_offset" for k in range(self.joints)))
+        return (*(group.name for group in self.tied), *(f"joint{k + 1}.zero_offset" for k in range(self.joints)))
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """Kind of every coordinate."""
-        return (*(knob.kind for knob in self.knobs), *("zero_offset",) * self.joints)
+        """Kind of every scaled parameter."""
+        return (*(group.kind for group in self.tied), *("zero_offset",) * self.joints)
 
     @property
     def steps(self) -> Array:
         """Secant steps, (size,)."""
-        return np.array([STEP] * len(self.knobs) + [OFFSET_STEP] * self.joints)
+        return np.array([STEP] * len(self.tied) + [OFFSET_STEP] * self.joints)
 
     @property
     def bounds(self) -> tuple[Array, Array]:
-        """Least and greatest coordinates, (size,) each."""
+        """Least and greatest scaled parameters, (size,) each."""
         ends = []
-        for knob in self.knobs:
-            low, high = zip(*(parameter.bounds(self.machine) for parameter in knob.parameters))
+        for group in self.tied:
+            low, high = zip(*(parameter.bounds(self.machine) for parameter in group.parameters))
             ends.append((np.log(max(low)), np.log(min(high))))
         low, high = np.array([*ends, *((-OFFSET, OFFSET),) * self.joints]).T
         return low, high
 
-    def at(self, coordinates: Array) -> Setting:
-        """The machine and the offsets at coordinates (size,)."""
+    def at(self, scaled: Array) -> Variant:
+        """The machine and the offsets at scaled parameters (size,)."""
         machine = self.machine
-        for knob, coordinate in zip(self.knobs, coordinates):
-            for parameter in knob.parameters:
-                machine = parameter.scaled(machine, float(np.exp(coordinate)))
-        offsets = (*map(float, coordinates[len(self.knobs) :]), *(0.0,) * (JOINTS - self.joints))
-        return Setting(machine, offsets)
+        for group, size in zip(self.tied, scaled):
+            for parameter in group.parameters:
+                machine = parameter.scaled(machine, float(np.exp(size)))
+        offsets = (*map(float, scaled[len(self.tied) :]), *(0.0,) * (JOINTS - self.joints))
+        return Variant(machine, offsets)
 
     def subset(self, kinds: Sequence[str]) -> list[int]:
-        """Coordinates of the knobs of some kinds."""
-        return [number for number, knob in enumerate(self.knobs) if knob.kind in kinds]
+        """Numbers of the tied parameters of some kinds."""
+        return [number for number, group in enumerate(self.tied) if group.kind in kinds]
 
-    def gathering(self, finer: "Space") -> Array:
-        """Matrix (finer.size, size) that takes these coordinates to those of a space with more knobs."""
+    def gathering(self, finer: "Parameterisation") -> Array:
+        """Matrix (finer.size, size) that takes these scaled parameters to those of another with more groups."""
         matrix = np.zeros((finer.size, self.size))
-        for column, knob in enumerate(self.knobs):
-            for row, fine in enumerate(finer.knobs):
-                matrix[row, column] = set(fine.parameters) <= set(knob.parameters)
-        matrix[len(finer.knobs) :, len(self.knobs) :] = np.eye(self.joints)
+        for column, group in enumerate(self.tied):
+            for row, fine in enumerate(finer.tied):
+                matrix[row, column] = set(fine.parameters) <= set(group.parameters)
+        matrix[len(finer.tied) :, len(self.tied) :] = np.eye(self.joints)
         return matrix
 
-    def joined(self, first: int, second: int) -> "Space":
-        """With two knobs made one."""
-        one = Knob(tuple(sorted((*self.knobs[first].parameters, *self.knobs[second].parameters), key=_order)))
-        knobs = [one if k == min(first, second) else knob for k, knob in enumerate(self.knobs)]
-        del knobs[max(first, second)]
-        return replace(self, knobs=tuple(knobs))
+    def joined(self, first: int, second: int) -> "Parameterisation":
+        """With two groups made one."""
+        one = Tied(tuple(sorted((*self.tied[first].parameters, *self.tied[second].parameters), key=_order)))
+        tied = [one if k == min(first, second) else group for k, group in enumerate(self.tied)]
+        del tied[max(first, second)]
+        return replace(self, tied=tuple(tied))
 
-    def without(self, number: int) -> "Space":
-        """With a knob held."""
-        return replace(self, knobs=self.knobs[:number] + self.knobs[number + 1 :])
+    def without(self, number: int) -> "Parameterisation":
+        """With a group fixed."""
+        return replace(self, tied=self.tied[:number] + self.tied[number + 1 :])
 
 
 def _order(parameter: Parameter) -> int:
     return parameter.link or 0
 
 
-def make_space(machine: Machine, kinds: Sequence[str] = USUAL) -> Space:
-    """A knob for every parameter of some kinds.
+def make_parameterisation(machine: Machine, kinds: Sequence[str] = USUAL) -> Parameterisation:
+    """A group for every parameter of some kinds.
 
     Raises:
         InputError: no such kind, or a parameter that is zero and that no factor moves.
@@ -239,4 +239,4 @@ def make_space(machine: Machine, kinds: Sequence[str] = USUAL) -> Space:
         if not parameter.value(machine):
             fields = ", ".join(parameter.values(machine))
             raise InputError(f"{parameter.name} of {machine.name} is zero and no factor moves it: give one of {fields}")
-    return Space(machine, tuple(Knob((parameter,)) for parameter in parameters))
+    return Parameterisation(machine, tuple(Tied((parameter,)) for parameter in parameters))

@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from boom_mj.calibration.evidence import COARSE, model_error, predictor_of
 from boom_mj.calibration.identify import NULL, inverse
-from boom_mj.calibration.parameters import USUAL, Setting, Space, make_space
+from boom_mj.calibration.parameters import USUAL, Parameterisation, Variant, make_parameterisation
 from boom_mj.calibration.refine import sensitivities
 from boom_mj.errors import BoomError, LogError
 from boom_mj.machine import Machine
@@ -82,8 +82,8 @@ def plan_next(
         LogError: everything that the machine can do and that is short enough was recorded.
     """
     with threadpool_limits(1):
-        space, done = make_space(machine, kinds), {log.name for log in recordings}
-        have = _information(machine, recordings, space, threads)
+        free, done = make_parameterisation(machine, kinds), {log.name for log in recordings}
+        have = _information(machine, recordings, free, threads)
         tell(f"information of {len(recordings)} recordings")
         found: dict[Experiment, Array] = {}
         for experiment in catalogue:
@@ -91,37 +91,39 @@ def plan_next(
                 continue
             try:
                 log = record(run_experiment(make_plant(machine, COARSE.hinges), experiment), experiment)
-                found[experiment] = have + _information(machine, [log], space, threads)
+                found[experiment] = have + _information(machine, [log], free, threads)
             except BoomError as error:
                 tell(f"{experiment.name} cannot be: {error}")
                 continue
             tell(f"information of {experiment.name}")
     if not found:
         raise LogError("there is nothing left to record: every experiment of the catalogue is there")
-    before = _deviations(have, space)
-    after = {experiment: _deviations(information, space) for experiment, information in found.items()}
+    before = _deviations(have, free)
+    after = {experiment: _deviations(information, free) for experiment, information in found.items()}
     best = np.min(list(after.values()), axis=0)
     untold = best > NULL
     worst = int(np.argmax(np.where(untold, -1.0, before)))
     ranked = sorted(after, key=lambda experiment: after[experiment][worst])
     return Plan(
-        parameter=space.names[worst],
+        parameter=free.names[worst],
         before=float(before[worst]),
         proposals=tuple(Proposal(e.name, e.duration, float(after[e][worst])) for e in ranked),
-        untold=tuple(name for name, lost in zip(space.names, untold) if lost),
+        untold=tuple(name for name, lost in zip(free.names, untold) if lost),
     )
 
 
-def _information(machine: Machine, recordings: Sequence[Recording], space: Space, threads: int | None) -> Array:
+def _information(
+    machine: Machine, recordings: Sequence[Recording], free: Parameterisation, threads: int | None
+) -> Array:
     """J^T J of recordings about the machine file's values, (size, size)."""
     predictor = predictor_of(machine, recordings, threads)
-    jacobian = sensitivities(predictor, space, np.zeros(space.size), model_error(predictor, Setting(machine))[1])
+    jacobian = sensitivities(predictor, free, np.zeros(free.size), model_error(predictor, Variant(machine))[1])
     return jacobian.T @ jacobian
 
 
-def _deviations(information: Array, space: Space) -> Array:
-    """Of the parameters, zero offsets following freely, (knobs,)."""
-    return np.sqrt(np.diag(inverse(information)))[: len(space.knobs)]
+def _deviations(information: Array, free: Parameterisation) -> Array:
+    """Of the parameters, zero offsets following freely, (tied,)."""
+    return np.sqrt(np.diag(inverse(information)))[: len(free.tied)]
 
 
 def _percent(deviation: float) -> str:

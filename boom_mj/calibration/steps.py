@@ -12,7 +12,7 @@ from scipy.optimize import least_squares
 
 from boom_mj.calibration.evidence import COARSE
 from boom_mj.calibration.features import Features, Values
-from boom_mj.calibration.parameters import STIFFNESS, Space
+from boom_mj.calibration.parameters import STIFFNESS, Parameterisation
 
 Array = np.ndarray
 TRIALS = 3  # evaluations of a step, secants not counted
@@ -25,7 +25,7 @@ class Step:
 
     name: str
     moves: tuple[str, ...]
-    told_by: tuple[str, ...]
+    informed_by: tuple[str, ...]
     offsets: bool = False
 
 
@@ -36,43 +36,45 @@ STEPS = (
 )
 
 
-def approach(features: Features, space: Space, tell: Callable[[str], None] = lambda line: None) -> Array:
-    """Coordinates near the truth, (space.size,); where nothing tells, those of the machine file.
+def initial_estimate(
+    features: Features, free: Parameterisation, tell: Callable[[str], None] = lambda line: None
+) -> Array:
+    """Scaled parameters near the truth, (free.size,); where nothing tells, those of the machine file.
 
     Args:
         tell: hears one line per step.
     """
-    coordinates = np.zeros(space.size)
-    correction = features.correction(space.at(coordinates))
+    scaled = np.zeros(free.size)
+    correction = features.correction(free.at(scaled))
     for step in STEPS:
-        before = coordinates
-        coordinates = _take(step, features, space, coordinates, correction)
-        moved = np.exp(np.max(np.abs((coordinates - before)[: len(space.knobs)]), initial=0.0)) - 1
-        tell(f"{step.name} by {', '.join(step.told_by)}: moved by {moved:.1%} at most")
-    return coordinates
+        before = scaled
+        scaled = _take(step, features, free, scaled, correction)
+        moved = np.exp(np.max(np.abs((scaled - before)[: len(free.tied)]), initial=0.0)) - 1
+        tell(f"{step.name} by {', '.join(step.informed_by)}: moved by {moved:.1%} at most")
+    return scaled
 
 
-def _take(step: Step, features: Features, space: Space, start: Array, correction: Values) -> Array:
-    free = [*space.subset(step.moves), *(range(len(space.knobs), space.size) if step.offsets else ())]
-    measured = np.concatenate([features.measured[kind] for kind in step.told_by])
-    deviation = np.concatenate([features.deviation[kind] for kind in step.told_by])
+def _take(step: Step, features: Features, free: Parameterisation, start: Array, correction: Values) -> Array:
+    moved = [*free.subset(step.moves), *(range(len(free.tied), free.size) if step.offsets else ())]
+    measured = np.concatenate([features.measured[kind] for kind in step.informed_by])
+    deviation = np.concatenate([features.deviation[kind] for kind in step.informed_by])
     seen = np.isfinite(measured)
-    if not free or not seen.any():
+    if not moved or not seen.any():
         return start
-    scale = np.where(np.array(free) < len(space.knobs), PRIOR, PRIOR_OFFSET)
-    low, high = (bound[free] / scale for bound in space.bounds)
+    scale = np.where(np.array(moved) < len(free.tied), PRIOR, PRIOR_OFFSET)
+    low, high = (bound[moved] / scale for bound in free.bounds)
 
     def residual(shares: Array) -> Array:
-        coordinates = start.copy()
-        coordinates[free] = shares * scale
-        model = features.of(space.at(coordinates), COARSE.hinges)
-        found = np.concatenate([model[kind] + correction[kind] for kind in step.told_by])
+        scaled = start.copy()
+        scaled[moved] = shares * scale
+        model = features.of(free.at(scaled), COARSE.hinges)
+        found = np.concatenate([model[kind] + correction[kind] for kind in step.informed_by])
         return np.concatenate([((measured - found) / deviation)[seen], shares])
 
-    begin = np.clip(start[free] / scale, low, high)
+    begin = np.clip(start[moved] / scale, low, high)
     found = least_squares(
         residual, begin, bounds=(low, high), diff_step=1e-3, max_nfev=TRIALS, ftol=1e-3, x_scale="jac"
     )
-    coordinates = start.copy()
-    coordinates[free] = found.x * scale
-    return coordinates
+    scaled = start.copy()
+    scaled[moved] = found.x * scale
+    return scaled

@@ -13,7 +13,7 @@ import numpy as np
 from boom_mj.calibration.calibrate import Calibration
 from boom_mj.calibration.decay import fit_decay
 from boom_mj.calibration.evidence import FINE, predictor_of
-from boom_mj.calibration.parameters import Setting
+from boom_mj.calibration.parameters import Variant
 from boom_mj.calibration.release import LEAST_DECAY, SETTLED, release_of, stop_of
 from boom_mj.estimation.dataset import Table
 from boom_mj.recording import Recording, named_signal
@@ -88,10 +88,10 @@ def validate(found: Calibration, held_out: Sequence[Recording] = ()) -> Validati
     predictor = predictor_of(found.machine, [*seen, *held_out])
     tables = tuple(predictor.data.table(index) for index in range(len(predictor.data.recordings)))
     twins = tuple(
-        (_twin(predictor, found.nominal, table, index), _twin(predictor, found.setting, table, index))
+        (_twin(predictor, found.nominal, table, index), _twin(predictor, found.variant, table, index))
         for index, table in enumerate(tables)
     )
-    plant = make_plant(found.setting.machine, FINE.hinges)
+    plant = make_plant(found.variant.machine, FINE.hinges)
     rows = (
         _release(plant, index, both, pair) or _stop(plant, index, both, pair)
         for index, (both, pair) in enumerate(zip(tables, twins))
@@ -136,16 +136,16 @@ def _plain(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def _twin(predictor: Predictor, setting: Setting, table: Table, index: int) -> Twin:
+def _twin(predictor: Predictor, variant: Variant, table: Table, index: int) -> Twin:
     data, log = predictor.data, table.log
-    motion = BoomSystem(setting.machine).run(setting.sensor, FINE, log)
+    motion = BoomSystem(variant.machine).run(variant.sensor, FINE, log)
     signals = ideal_signals(motion)
     at = {name: log[name].time - table.start_s for name in log.signals if name in signals}
     sampled = {name: named_signal(name, log[name].time, sample(signals[name], time)) for name, time in at.items()}
     recording = Recording(log.name, log.machine, "simulated twin", sampled)
     names = dict.fromkeys(channel.signal for channel in table.channels)
     means = table.saying(np.concatenate([data.means(index, name, signals[name]) for name in names]))
-    return Twin(motion, means, compare(log, recording, noise_levels(setting.machine)))
+    return Twin(motion, means, compare(log, recording, noise_levels(variant.machine)))
 
 
 def _release(plant: Plant, index: int, table: Table, twins: tuple[Twin, Twin]) -> Comparison | None:

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from boom_mj.effects import LoadEffect, parse_effect
+from boom_mj.effects import ForceEffect, Motion, parse_effect
 from boom_mj.effects.library.joint_play import STOP
 from boom_mj.machine import load_machine, with_values
 from boom_mj.simulation import Plant, make_plant
@@ -83,9 +83,10 @@ def test_the_sun_moves_the_tip_of_a_link(link: int, axis: str, hinges: int) -> N
 
 def test_a_side_wind_turns_the_boom_by_the_drag_of_its_links() -> None:
     wind = parse_effect("wind:mean_speed=10,direction=1.5707963267948966")
-    assert isinstance(wind, LoadEffect)
+    assert isinstance(wind, ForceEffect)
     plant = make_plant(BOOM, 1, [wind])
-    loads = {site: force[0] for site, force in wind.push(BOOM, np.zeros(1), STRETCHED[None]).items()}
+    motion = Motion(np.zeros(1), {f"joint{k + 1}": STRETCHED[k : k + 1] for k in range(5)}, machine=BOOM)
+    loads = {site: force[0] for site, force in wind.force(motion).items()}
     still = np.zeros(plant.model.nq)
     found = (plant.rest_force(still, {}) - plant.rest_force(still, loads))[plant.joints[0]]
     wanted = 0.0

@@ -5,12 +5,13 @@ from pathlib import Path
 
 import numpy as np
 
-from boom_mj.diagnosis import Campaign
-from boom_mj.diagnosis.linearisation import make_metric
+from boom_mj.diagnosis.linearisation import linearise
 from boom_mj.logs import read_log
 from boom_mj.machine import load_machine
 from boom_mj.recording import window
-from boom_mj.systems.system import Level
+from boom_mj.systems.boom import BoomSystem
+from boom_mj.systems.fidelity import Level
+from boom_mj.systems.predictor import Predictor, dataset_of
 
 ROOT = Path(__file__).parents[2]
 SAME = 0.2  # of the error's size: what orders beyond the first may make of it
@@ -19,10 +20,11 @@ SAME = 0.2  # of the error's size: what orders beyond the first may make of it
 def test_what_is_missing_is_told_by_checks_apart():
     log = read_log(ROOT / "logs" / "independent_release_stretched_vertical.mcap")
     short = replace(log, signals={name: window(signal, 0.0, 12.0) for name, signal in log.signals.items()})
-    campaign = Campaign(load_machine(ROOT / "models" / "boom36.toml"), [short], 1)
-    middle, finest = (campaign.predict([()], level)[0] for level in (campaign.subject.fidelity.middle, Level(0.5, 8)))
-    missing = make_metric(campaign).mean_error
+    system = BoomSystem(load_machine(ROOT / "models" / "boom36.toml"))
+    predictor = Predictor(system, dataset_of(system, [short], 1))
+    middle, finest = (predictor.predict([()], level)[0] for level in (system.facts.fidelity.middle, Level(0.5, 8)))
+    missing = linearise(predictor).mean_error
     lacks = (finest - middle) / 0.75  # half the size of hinges, in second order, a quarter of the step, in first
-    used = campaign.used
-    size, miss = (np.sqrt(np.mean((v[used] / campaign.noise[used]) ** 2)) for v in (lacks, missing - lacks))
+    used, noise = predictor.data.used, predictor.data.noise
+    size, miss = (np.sqrt(np.mean((v[used] / noise[used]) ** 2)) for v in (lacks, missing - lacks))
     assert miss < SAME * size

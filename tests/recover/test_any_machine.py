@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 from boom_mj.diagnosis import diagnose, document
-from boom_mj.systems.mjcf import robot_campaign
+from boom_mj.systems.mjcf import load_mjcf
+from boom_mj.systems.predictor import Predictor
 
 PENDULUM = """
 <mujoco model="pendulum">
@@ -94,8 +95,8 @@ def answer(drive: str = "drive", delay: float = 0.0, without: tuple[str, ...] = 
     (folder / "nominal.xml").write_text(PENDULUM.format(damping=0.05, friction=0.0, load="", actuator=MOTOR))
     torque = "compare" if drive == "drive" else "control"
     (folder / "map.toml").write_text(MAP.format(drive=drive, torque=torque))
-    campaign = robot_campaign([measure(folder, delay, **planted)], [], folder / "map.toml")
-    return document(diagnose(campaign, without), [log.name for log in campaign.recordings])
+    system, data = load_mjcf([measure(folder, delay, **planted)], [], folder / "map.toml")
+    return document(diagnose(Predictor(system, data), without), [log.name for log in data.recordings])
 
 
 def test_nothing_planted_nothing_found() -> None:
@@ -113,7 +114,7 @@ def test_dry_friction_comes_back_and_not_as_damping() -> None:
 
 
 def test_dry_friction_that_is_withheld_is_no_damping() -> None:
-    dry = ("coulomb_friction", "joint_friction", "asymmetric_friction", "stribeck_friction", "load_friction")
+    dry = ("coulomb_friction", "dry_and_viscous_friction", "asymmetric_friction", "stribeck_friction", "load_friction")
     kin = (*dry, "dead_zone", "backlash")
     found = answer(friction=0.3, without=kin)
     assert found["verdict"] == "unexplained", found["sentence"]
@@ -137,5 +138,5 @@ def test_commands_can_drive_instead_of_motion() -> None:
     """The same friction, seen in the motion that a given torque makes."""
     found = answer("compare", friction=0.3)
     (effect,) = found["effects"]
-    assert effect["id"] in ("coulomb_friction", "joint_friction"), found["sentence"]
+    assert effect["id"] in ("coulomb_friction", "dry_and_viscous_friction"), found["sentence"]
     assert effect["parameters"]["force"]["value"] == pytest.approx(0.3, rel=0.05)

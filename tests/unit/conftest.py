@@ -1,30 +1,55 @@
 """What unit tests share."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from boom_mj.diagnosis import Campaign
-from boom_mj.diagnosis.linearisation import Metric
+from boom_mj.diagnosis.criteria import BOOM
+from boom_mj.diagnosis.linearisation import Linearisation
+from boom_mj.effects import effect_library, registry
+from boom_mj.estimation.linear import LinearPosterior
+from boom_mj.estimation.noise import NoiseModel
 from boom_mj.logs import read_log
 from boom_mj.machine import load_machine
 from boom_mj.recording import window
-from boom_mj.systems.boom.system import tolerances
+from boom_mj.systems.boom import BoomSystem
+from boom_mj.systems.predictor import Predictor, dataset_of
 
 ROOT = Path(__file__).parents[2]
 
 
+@pytest.fixture
+def own_files() -> Iterator[None]:
+    """Files of effects that a test loads are known in it alone."""
+    known = dict(registry._files)
+    yield
+    registry._files.clear()
+    registry._files.update(known)
+    effect_library.cache_clear()
+
+
 @pytest.fixture(scope="session")
-def metric() -> Metric:
+def model() -> Linearisation:
     """Two seconds of a release; model error and columns of nuisances are drawn."""
     log = read_log(ROOT / "logs" / "independent_release_stretched_vertical.mcap")
     cut = {name: window(signal, 7.0, 9.0) for name, signal in log.signals.items()}
-    campaign = Campaign(load_machine(ROOT / "models" / "boom36.toml"), [replace(log, signals=cut)], 1, threads=1)
-    rng = np.random.default_rng(0)
-    weight = np.where(campaign.used, 1 / campaign.noise, 0.0)
-    error = 3 * rng.standard_normal(len(weight)) * campaign.noise
-    columns = rng.standard_normal((len(weight), len(tolerances())))
-    level, base = campaign.subject.fidelity.coarse, np.zeros(len(weight))
-    return Metric(campaign, (), (), level, base, error, error, weight, columns, tolerances())
+    system = BoomSystem(load_machine(ROOT / "models" / "boom36.toml"))
+    data, fidelity = dataset_of(system, [replace(log, signals=cut)], 1), system.facts.fidelity
+    rng, nuisances = np.random.default_rng(0), system.nuisances()
+    weight = np.where(data.used, 1 / data.noise, 0.0)
+    error = 3 * rng.standard_normal(len(weight)) * data.noise
+    columns = rng.standard_normal((len(weight), len(nuisances)))
+    return Linearisation(
+        Predictor(system, data, threads=1),
+        effects=(),
+        individual=(),
+        level=fidelity.coarse,
+        base=np.zeros(len(weight)),
+        mean_error=error,
+        posterior=LinearPosterior(NoiseModel(data, weight, fidelity.along * error), columns),
+        nuisances=nuisances,
+        criteria=BOOM,
+    )

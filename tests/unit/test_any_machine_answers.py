@@ -1,4 +1,4 @@
-"""What `gap diagnose --map` writes of a pendulum that lacks damping: its page, and twins that agree with theory."""
+"""What `gap diagnose --map` writes of a pendulum that lacks damping: its page, and recordings as theory has them."""
 
 import subprocess
 import sys
@@ -77,7 +77,7 @@ def test_the_page_knows_no_boom() -> None:
     assert not {"b", "script", "link", "img"} & set(reader.tags)
     assert all(value.startswith("#") for value in links(reader))
     assert "pendulum <b>" in words and "a<b>&" in words
-    assert "Viscous friction (joint swing) explains the gap" in words
+    assert "Viscous joint friction (joint swing) explains the gap" in words
     assert "q: its measured motion drives" in words and "torque: judged" in words
     body = text[text.index("<body>") :].replace("boom_mj", "")
     assert [word for word in ("boom", "cylinder", "marker", "hinge", "None", "nan") if word in body] == []
@@ -85,7 +85,7 @@ def test_the_page_knows_no_boom() -> None:
 
 @pytest.mark.parametrize(("kind", "damping"), [("nominal", 0.0), ("corrected", DAMPING)])
 @pytest.mark.parametrize(("log", "begin"), [("a<b>&", 0.0), ("a<b>&-2", 3.0)])
-def test_twins_say_what_theory_says(kind: str, damping: float, log: str, begin: float) -> None:
+def test_simulated_recordings_say_what_theory_says(kind: str, damping: float, log: str, begin: float) -> None:
     """Inertia times acceleration, and damping times speed, to the noise but where filters meet a stretch's ends."""
     table = read_columns(folder() / "twins" / f"{log}.{kind}.csv", ["time [s]", "torque [N m]"])
     time, torque = table["time [s]"], table["torque [N m]"]

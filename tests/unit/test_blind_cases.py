@@ -10,10 +10,10 @@ import pytest
 import boom_mj
 from boom_mj.blind import MIX, SHORT, make_cases, waiting_cases
 from boom_mj.blind.plant import HINGES, true_plant
-from boom_mj.blind.sampling import NUISANCE, draw, orders
+from boom_mj.blind.sampling import draw, orders
 from boom_mj.blind.sandbox import confined_to
 from boom_mj.blind.unlisted import UNLISTED
-from boom_mj.effects import effect_library
+from boom_mj.effects import BOOM_SITES, builtin, effect_library
 from boom_mj.errors import InputError
 from boom_mj.machine import load_machine
 from boom_mj.mjcf import build
@@ -27,7 +27,8 @@ def test_classes_have_their_shares_and_effects_are_dealt_evenly() -> None:
     found = orders(120, MIX, np.random.default_rng(1))
     assert Counter(order.kind for order in found) == {kind: int(share) for kind, share in MIX.items()}
     singles = Counter(order.ids[0] for order in found if order.kind == "single")
-    assert set(singles) == set(effect_library()) - {NUISANCE} and max(singles.values()) - min(singles.values()) <= 1
+    of_booms = {name for name, kind in builtin().items() if kind.allowed(BOOM_SITES)}
+    assert set(singles) == of_booms - {"joint_zero_offset"} and max(singles.values()) - min(singles.values()) <= 1
     assert sorted(order.without for order in found if order.kind == "withheld") == sorted(singles)
     assert len({order.ids[0] for order in found if order.kind == "stranger"}) == len(UNLISTED) >= 5
     assert [order.kind for order in found] != sorted(order.kind for order in found)

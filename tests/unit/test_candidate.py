@@ -1,16 +1,14 @@
-"""Candidates: what is left of them with one effect or knob less."""
+"""Candidates: what is left of them with one effect or parameter less."""
 
 from boom_mj.diagnosis.candidate import Candidate, causes
-from boom_mj.effects import effect_library, parse_effect
-from boom_mj.effects.general.coulomb_friction import CoulombFriction
-from boom_mj.effects.general.joint_friction import JointFriction
+from boom_mj.effects import BOOM_SITES, Site, effect_library, parse_effect
 
 
 def labels(*effects: str) -> set[str]:
     return {simpler.label for simpler in Candidate(tuple(map(parse_effect, effects))).simpler()}
 
 
-def test_a_single_effect_gives_up_knobs_only() -> None:
+def test_a_single_effect_gives_up_parameters_only() -> None:
     assert labels("base_compliance:axes=roll+pitch,roll=1e7,pitch=2e7") == {
         "base_compliance axes roll",
         "base_compliance axes pitch",
@@ -18,7 +16,7 @@ def test_a_single_effect_gives_up_knobs_only() -> None:
     assert labels("tip_payload:mass=50") == set()
 
 
-def test_a_pair_gives_up_an_effect_or_knobs_and_keeps_the_rest() -> None:
+def test_a_pair_gives_up_an_effect_or_parameters_and_keeps_the_rest() -> None:
     pair = "tip_payload:mass=50", "base_compliance:axes=roll+pitch,roll=1e7,pitch=2e7"
     assert labels(*pair) == {
         "tip_payload",
@@ -33,9 +31,12 @@ def test_a_pair_gives_up_an_effect_or_knobs_and_keeps_the_rest() -> None:
 
 
 def test_what_shares_a_cause_does_not_stand_beside() -> None:
-    joint, other = {"joint": "a"}, {"joint": "b"}
-    assert causes(JointFriction, joint) & causes(CoulombFriction, joint)
-    assert not causes(JointFriction, joint) & causes(CoulombFriction, other)
-    base = effect_library()["base_compliance"]
-    both, roll, pitch = (causes(base, {"axes": axes}) for axes in ("roll+pitch", "roll", "pitch"))
+    library = effect_library()
+    joint, other = (Site((("joint", name),), frozenset({"mjcf"})) for name in "ab")
+    rubbing, dry = library["dry_and_viscous_friction"], library["coulomb_friction"]
+    assert causes(rubbing, joint) & causes(dry, joint)
+    assert not causes(rubbing, joint) & causes(dry, other)
+    base = library["base_compliance"]
+    sites = {site.location["axes"]: site for site in base.allowed(BOOM_SITES)}
+    both, roll, pitch = (causes(base, sites[axes]) for axes in ("roll+pitch", "roll", "pitch"))
     assert both & roll and both & pitch and not roll & pitch

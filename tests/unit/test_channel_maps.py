@@ -8,7 +8,7 @@ from scipy.io import savemat
 
 from boom_mj.errors import ChannelMapError, LogError
 from boom_mj.logs.columns import read_columns
-from boom_mj.systems.mjcf import robot_campaign
+from boom_mj.systems.mjcf import load_mjcf
 from boom_mj.systems.mjcf.channel_map import parse_channel_map
 
 MODEL = """<mujoco><worldbody><body><joint name="swing"/><geom size="0.1" mass="1" pos="0 0 -1"/></body></worldbody>
@@ -57,22 +57,23 @@ def files(folder: Path, text: str = GOOD) -> Path:
 def test_names_that_the_model_does_not_have(tmp_path: Path) -> None:
     path = files(tmp_path, GOOD.replace('joint = "swing"', 'joint = "sling"'))
     with pytest.raises(ChannelMapError, match=r"'q': joint = 'sling' .* it has swing"):
-        robot_campaign([tmp_path / "log.csv"], [], path)
+        load_mjcf([tmp_path / "log.csv"], [], path)
 
 
 def test_fields_that_the_log_does_not_have(tmp_path: Path) -> None:
     path = files(tmp_path, GOOD.replace('field = "u"', 'field = "torque"'))
     with pytest.raises(LogError, match=r"no field 'torque': .* none of q, t, u"):
-        robot_campaign([tmp_path / "log.csv"], [], path)
+        load_mjcf([tmp_path / "log.csv"], [], path)
 
 
 def test_a_log_is_split_in_stretches(tmp_path: Path) -> None:
-    campaign = robot_campaign([tmp_path / "log.csv"], [], files(tmp_path, GOOD + "")) if files(tmp_path) else None
-    assert campaign is not None and campaign.training == 1 and len(campaign.recordings) == 2
-    names = [log.name for log in campaign.recordings]
+    path = files(tmp_path)
+    _, data = load_mjcf([tmp_path / "log.csv"], [], path)
+    assert data.training == 1 and len(data.recordings) == 2
+    names = [log.name for log in data.recordings]
     assert names[0].startswith("log.csv 0.2-10.2 s")
-    learnt = robot_campaign([tmp_path / "log.csv"], [tmp_path / "log.csv"], tmp_path / "map.toml")
-    assert (learnt.training, len(learnt.recordings)) == (2, 4)
+    _, apart = load_mjcf([tmp_path / "log.csv"], [tmp_path / "log.csv"], path)
+    assert (apart.training, len(apart.recordings)) == (2, 4)
 
 
 def test_columns_of_tables_and_matlab_files(tmp_path: Path) -> None:

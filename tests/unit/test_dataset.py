@@ -1,4 +1,4 @@
-"""A campaign: which recordings are learnt from, and what is simulated."""
+"""A dataset: which recordings train, and what is simulated."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -6,14 +6,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from boom_mj.diagnosis import Campaign
 from boom_mj.errors import LogError, LogWarning
+from boom_mj.estimation.dataset import Dataset
 from boom_mj.logs import read_log
 from boom_mj.machine import load_machine
 from boom_mj.recording import Recording, window
+from boom_mj.systems.boom import BoomSystem
+from boom_mj.systems.predictor import Predictor, dataset_of
 
 ROOT = Path(__file__).parents[2]
-BOOM = load_machine(ROOT / "models" / "boom36.toml")
+SYSTEM = BoomSystem(load_machine(ROOT / "models" / "boom36.toml"))
 LOG = read_log(ROOT / "logs" / "independent_release_stretched_vertical.mcap")
 
 
@@ -23,33 +25,39 @@ def between(start: float, stop: float, **others: tuple[float, float]) -> Recordi
     return replace(LOG, signals={name: window(LOG[name], *span) for name, span in spans.items()})
 
 
-def test_the_first_part_of_a_borrowed_recording_is_learnt_from_and_nothing_is_simulated_again() -> None:
-    campaign = Campaign(BOOM, [between(7.0, 9.0)] * 3, 1, threads=1)
-    level = campaign.subject.fidelity.rough
-    (whole,), before = campaign.predict([()], level), campaign.simulated_s
-    other = campaign.borrowing(2)
-    (part,) = other.predict([()], level, training_only=True)
+def dataset(*recordings: Recording) -> Dataset:
+    return dataset_of(SYSTEM, recordings, 1)
+
+
+def test_the_first_part_of_an_extending_recording_trains_and_nothing_is_simulated_again() -> None:
+    predictor = Predictor(SYSTEM, dataset(*[between(7.0, 9.0)] * 3), threads=1)
+    level = SYSTEM.facts.fidelity.rough
+    (whole,), before = predictor.predict([()], level), predictor.simulated_s
+    other = predictor.extending(2)
+    data, extended = predictor.data, other.data
+    assert (data.trained, extended.trained) == ((0,), (0, 2))
+    (part,) = other.predict([()], level, extended.trained)
     assert other.simulated_s == before > 0
-    own = campaign.recording_of
+    own = data.recording_of
     assert np.isnan(part[own == 1]).all() and np.array_equal(part[own != 1], whole[own != 1], equal_nan=True)
-    assert set(own[campaign.train]) == {0} and set(own[other.train]) == {0, 2}
-    assert set(own[other.held_out]) == {1, 2}
-    assert campaign.time[other.train & (own == 2)].max() < 1.2 <= campaign.time[other.held_out & (own == 2)].min()
+    assert set(own[data.train]) == {0} and set(own[extended.train]) == {0, 2}
+    assert set(own[extended.held_out]) == {1, 2}
+    assert data.time[extended.train & (own == 2)].max() < 1.2 <= data.time[extended.held_out & (own == 2)].min()
 
 
 @pytest.mark.parametrize("joint", [(7.02, 9.0), (7.16, 9.0), (7.0, 8.9), (7.16, 8.9)])
 def test_samples_outside_the_joint_angles_are_left_out_and_said(joint: tuple[float, float]) -> None:
     with pytest.warns(LogWarning, match=r"samples of imu/.* outside the .* s that drive the model"):
-        campaign = Campaign(BOOM, [between(7.0, 9.0, joint=joint)], 1, threads=1)
-    whole = Campaign(BOOM, [between(*joint)], 1, threads=1)
-    assert np.array_equal(campaign.measured, whole.measured) and np.array_equal(campaign.noise, whole.noise)
+        data = dataset(between(7.0, 9.0, joint=joint))
+    whole = dataset(between(*joint))
+    assert np.array_equal(data.measured, whole.measured) and np.array_equal(data.noise, whole.noise)
 
 
 def test_samples_within_the_joint_angles_are_all_compared(recwarn: pytest.WarningsRecorder) -> None:
-    Campaign(BOOM, [between(7.0, 9.0)], 1, threads=1)
+    dataset(between(7.0, 9.0))
     assert not recwarn.list
 
 
 def test_signals_without_a_time_in_common_are_refused_with_both_spans() -> None:
     with pytest.raises(LogError, match=r"no sample from 7.000 to 8.000 s; it runs from 8.5"):
-        Campaign(BOOM, [between(8.5, 9.0, joint=(7.0, 8.0))], 1, threads=1)
+        dataset(between(8.5, 9.0, joint=(7.0, 8.0)))

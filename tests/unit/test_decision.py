@@ -1,4 +1,4 @@
-"""Which explanation is chosen of those that a contest has judged, and which of them are tried as pairs."""
+"""Which explanation is chosen of those that were scored, and which of them are tried as pairs."""
 
 from types import SimpleNamespace
 
@@ -7,33 +7,34 @@ from pytest import MonkeyPatch, mark
 
 from boom_mj.diagnosis import stages
 from boom_mj.diagnosis.candidate import Candidate
+from boom_mj.diagnosis.criteria import BOOM, SearchBudget
 from boom_mj.diagnosis.decision import choose, solved
 from boom_mj.diagnosis.fitting import Fit
 from boom_mj.diagnosis.scoring import Scored
-from boom_mj.diagnosis.stages import RUNNERS, _shared
+from boom_mj.diagnosis.stages import _shared
 from boom_mj.effects import parse_effect
-from boom_mj.systems.boom.system import BoomSystem
 
-METRIC = SimpleNamespace(campaign=SimpleNamespace(subject=BoomSystem))  # whose thresholds are a boom's
+BUDGET = SearchBudget()
+MODEL = SimpleNamespace(criteria=BOOM, budget=BUDGET)
 NOMINAL = (12.0, 12.0)
 PAYLOAD, CONCRETE, SOFT = "tip_payload:mass=27", "pipe_concrete:fill=0.1", "base_compliance:axes=roll,roll=1e8"
 SOFTER = "base_compliance:axes=roll+pitch,roll=1e8,pitch=1e8"
 
 
-def judged(gap: float, *effects: str) -> Scored:
+def scored(gap: float, *effects: str) -> Scored:
     candidate = Candidate(tuple(map(parse_effect, effects)))
     empty = np.zeros((0, len(candidate.start)))
     fit = Fit(candidate, candidate.start, candidate.effects, empty[:, 0], empty, 0.0)
-    return Scored(fit, METRIC, gap, gap, candidate.start)
+    return Scored(fit, MODEL, gap, gap, candidate.start)
 
 
-def chosen(*contest: Scored) -> str | None:
-    best = choose(sorted(contest, key=lambda j: j.held_out), NOMINAL)
+def chosen(*found: Scored) -> str | None:
+    best = choose(sorted(found, key=lambda j: j.held_out), NOMINAL)
     return best and best.label
 
 
 def test_a_cause_that_suffices_stands_alone() -> None:
-    single, pair = judged(1.02, PAYLOAD), judged(0.985, PAYLOAD, SOFT)
+    single, pair = scored(1.02, PAYLOAD), scored(0.985, PAYLOAD, SOFT)
     assert solved(NOMINAL, single)
     assert chosen(single, pair) == single.label
 
@@ -42,44 +43,44 @@ def test_a_cause_that_suffices_stands_alone() -> None:
 def test_beside_what_suffices_another_is_tried_where_one_may_hide(
     monkeypatch: MonkeyPatch, left: float, promised: float, looks: bool
 ) -> None:
-    pair = judged(0.98, PAYLOAD, SOFT)
+    pair = scored(0.98, PAYLOAD, SOFT)
     monkeypatch.setattr(stages, "_partners", lambda *given: [SimpleNamespace(share=promised)])
     monkeypatch.setattr(stages, "_paired", lambda found, *given: [pair, *found])
-    monkeypatch.setattr(stages, "_simpler", lambda found, nominal: found)
-    assert (pair in stages.combined([judged(left, PAYLOAD)], NOMINAL, (), print)) == looks
+    monkeypatch.setattr(stages, "_simplified", lambda found, nominal: found)
+    assert (pair in stages.combined([scored(left, PAYLOAD)], NOMINAL, (), print, 2)) == looks
 
 
 def test_a_second_cause_closes_half_of_what_the_first_leaves() -> None:
-    single = judged(3.0, PAYLOAD)
-    assert chosen(single, judged(2.1, PAYLOAD, SOFT)) == single.label
-    assert chosen(single, judged(1.9, PAYLOAD, SOFT)) == "tip_payload + base_compliance axes roll"
-    alone = judged(1.9, SOFT)  # either member, wherever it stands in the contest
-    assert chosen(single, alone, judged(1.5, PAYLOAD, SOFT)) == alone.label
+    single = scored(3.0, PAYLOAD)
+    assert chosen(single, scored(2.1, PAYLOAD, SOFT)) == single.label
+    assert chosen(single, scored(1.9, PAYLOAD, SOFT)) == "tip_payload + base_compliance axes roll"
+    alone = scored(1.9, SOFT)  # either member, wherever it stands among the scored
+    assert chosen(single, alone, scored(1.5, PAYLOAD, SOFT)) == alone.label
 
 
 def test_what_may_be_the_firsts_inaccuracy_is_a_second_cause_only_where_nothing_but_noise_is_left() -> None:
-    single = judged(1.42, PAYLOAD)  # took 142 of the mean square, of which 1 % may be its own inaccuracy
-    assert chosen(single, judged(1.02, PAYLOAD, CONCRETE)) == single.label
-    assert chosen(single, judged(0.98, PAYLOAD, CONCRETE)) == "tip_payload + pipe_concrete"
+    single = scored(1.42, PAYLOAD)  # took 142 of the mean square, of which 1 % may be its own inaccuracy
+    assert chosen(single, scored(1.02, PAYLOAD, CONCRETE)) == single.label
+    assert chosen(single, scored(0.98, PAYLOAD, CONCRETE)) == "tip_payload + pipe_concrete"
 
 
 def test_the_simplest_of_causes_that_contain_each_other() -> None:
-    assert chosen(judged(1.0, SOFT), judged(0.99, SOFTER)) == "base_compliance axes roll"
-    assert chosen(judged(2.0, SOFT), judged(0.99, SOFTER)) == "base_compliance axes roll+pitch"
+    assert chosen(scored(1.0, SOFT), scored(0.99, SOFTER)) == "base_compliance axes roll"
+    assert chosen(scored(2.0, SOFT), scored(0.99, SOFTER)) == "base_compliance axes roll+pitch"
 
 
 def test_nothing_is_chosen_that_does_not_help() -> None:
     assert chosen() is None
-    assert chosen(judged(12.0, PAYLOAD)) is None
+    assert chosen(scored(12.0, PAYLOAD)) is None
 
 
 def test_the_best_of_what_was_alone_are_tried_beside_a_leader_but_not_its_own_causes() -> None:
-    alone = [judged(size, text) for size, text in ((1.4, PAYLOAD), (1.8, SOFTER), (2.0, SOFT), (2.8, CONCRETE))]
-    contest = [*alone, judged(3.0, "end_hose:mass=20")]
-    tried = [pair.label for pair in _shared(contest[0].fit.effects, contest)]
+    alone = [scored(size, text) for size, text in ((1.4, PAYLOAD), (1.8, SOFTER), (2.0, SOFT), (2.8, CONCRETE))]
+    found = [*alone, scored(3.0, "end_hose:mass=20")]
+    tried = [pair.label for pair in _shared(found[0].fit.effects, found)]
     assert tried == ["tip_payload + base_compliance axes roll+pitch", "tip_payload + base_compliance axes roll"]
-    assert len(tried) == RUNNERS
-    beside = [pair.label for pair in _shared(contest[1].fit.effects, contest)]
+    assert len(tried) == BUDGET.singles_beside
+    beside = [pair.label for pair in _shared(found[1].fit.effects, found)]
     assert beside == [
         "base_compliance axes roll+pitch + tip_payload",
         "base_compliance axes roll+pitch + pipe_concrete",

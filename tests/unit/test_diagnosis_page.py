@@ -9,15 +9,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from boom_mj.diagnosis import Campaign, Diagnosis
-from boom_mj.diagnosis.answer import document, sentence
+from boom_mj.diagnosis import Diagnosis, document
 from boom_mj.diagnosis.candidate import Candidate
+from boom_mj.diagnosis.criteria import BOOM as CRITERIA
 from boom_mj.diagnosis.decision import explains
+from boom_mj.diagnosis.diagnose import held_out_closure
 from boom_mj.diagnosis.fitting import Fit
-from boom_mj.diagnosis.linearisation import Metric
-from boom_mj.diagnosis.scoring import Closure, Scored, closure, gap
+from boom_mj.diagnosis.linearisation import Linearisation
+from boom_mj.diagnosis.scoring import Scored
 from boom_mj.diagnosis.screening import Screened
+from boom_mj.diagnosis.sentences import sentence
 from boom_mj.effects import make_effect
+from boom_mj.estimation.bootstrap import Closure, gap
+from boom_mj.estimation.linear import LinearPosterior
+from boom_mj.estimation.noise import NoiseModel
 from boom_mj.logs import read_log
 from boom_mj.machine import load_machine
 from boom_mj.recording import Recording, window
@@ -25,7 +30,8 @@ from boom_mj.report import write_diagnosis
 from boom_mj.report.diagnosis.page import SECTIONS, diagnosis_page
 from boom_mj.report.diagnosis.view import View
 from boom_mj.report.words import digits_of, gap_size, number, percent, spoken
-from boom_mj.systems.boom.system import tolerances
+from boom_mj.systems.boom import BoomSystem
+from boom_mj.systems.predictor import Predictor, dataset_of
 
 ROOT = Path(__file__).parents[2]
 BOOM = load_machine(ROOT / "models" / "boom36.toml")
@@ -51,47 +57,59 @@ def short_log() -> Recording:
 
 
 @cache
-def campaign(training: int) -> Campaign:
-    return Campaign(BOOM, [short_log()] * 3, training, threads=1)
+def predictor(training: int) -> Predictor:
+    system = BoomSystem(BOOM)
+    return Predictor(system, dataset_of(system, [short_log()] * 3, training), threads=1)
 
 
-def metric(training: int) -> Metric:
-    """Noise alone, without nuisances."""
-    c, nuisances = campaign(training), tolerances()
-    weight = np.where(c.used, 1 / c.noise, 0.0)
-    level, base, none = c.subject.fidelity.coarse, np.nan_to_num(c.measured), np.zeros(len(weight))
-    return Metric(c, (), (), level, base, none, none, weight, np.zeros((len(weight), len(nuisances))), nuisances)
+def model_of(training: int) -> Linearisation:
+    """Noise alone, nuisances that do nothing."""
+    found, data = predictor(training), predictor(training).data
+    nuisances, none = found.system.nuisances(), np.zeros(len(data.time))
+    noise = NoiseModel(data, np.where(data.used, 1 / data.noise, 0.0), none)
+    return Linearisation(
+        found,
+        effects=(),
+        individual=(),
+        level=found.system.facts.fidelity.coarse,
+        base=np.nan_to_num(data.measured),
+        mean_error=none,
+        posterior=LinearPosterior(noise, np.zeros((len(none), len(nuisances)))),
+        nuisances=nuisances,
+        criteria=CRITERIA,
+    )
 
 
-def residual(m: Metric, size: float) -> np.ndarray:
+def residual(model: Linearisation, size: float) -> np.ndarray:
     """White, of a given gap."""
-    return np.where(m.campaign.used, size * np.random.default_rng(1).standard_normal(len(m.weight)), 0.0)
+    used = model.data.used
+    return np.where(used, size * np.random.default_rng(1).standard_normal(len(used)), 0.0)
 
 
-def judged(m: Metric, effects: tuple, size: float) -> Scored:
-    candidate, left = Candidate(effects), residual(m, size)
-    count = len(candidate.knobs)
+def scored(model: Linearisation, effects: tuple, size: float) -> Scored:
+    candidate, left = Candidate(effects), residual(model, size)
+    count = len(candidate.parameters)
     fit = Fit(candidate, candidate.start, effects, left, np.zeros((len(left), count)), 0.0)
-    train, held_out = (gap(left, rows) for rows in (m.campaign.train, m.campaign.held_out))
-    return Scored(fit, m, train, held_out, np.full(count, 0.02))
+    train, held_out = (gap(left, rows) for rows in (model.data.train, model.data.held_out))
+    return Scored(fit, model, train, held_out, np.full(count, 0.02))
 
 
 def diagnosis(case: str, training: int = 2) -> Diagnosis:
-    m, verdict = metric(training), case.split()[0]
+    model, verdict = model_of(training), case.split()[0]
     before = 1.0 if verdict == "consistent" else 8.0
     after = {"unexplained mostly": 2.0}.get(case, 6.0 if verdict == "unexplained" else 1.05)
-    contest = (
-        judged(m, PAYLOAD, min(before, after)),
-        judged(m, HEAVIER, 1.1 if verdict == "ambiguous" else 1.2 * before),
-        judged(m, SOFT, 1e6),
+    found = (
+        scored(model, PAYLOAD, min(before, after)),
+        scored(model, HEAVIER, 1.1 if verdict == "ambiguous" else 1.2 * before),
+        scored(model, SOFT, 1e6),
     )
-    best = None if case in ("consistent", VERDICTS[-1]) else contest[0]
-    ties = contest[1:2] if verdict == "ambiguous" else ()
-    nominal = residual(m, before)
-    share = closure(m, nominal, best.fit.residual if best else nominal, m.campaign.held_out)
+    best = None if case in ("consistent", VERDICTS[-1]) else found[0]
+    ties = found[1:2] if verdict == "ambiguous" else ()
+    nominal = residual(model, before)
+    share = held_out_closure(model, nominal, best.fit.residual if best else nominal)
     following = "release_bow_vertical" if ties else None
     screened = tuple(Screened(Candidate(effects), 0.3) for effects in (PAYLOAD, (make_effect("end_hose", {}),)))
-    return Diagnosis(verdict, best, contest, ties, screened, nominal, share, 0.1, following, m)
+    return Diagnosis(verdict, best, found, ties, screened, nominal, share, 0.1, following, model)
 
 
 @cache
@@ -188,16 +206,16 @@ def test_the_verdict_is_told() -> None:
 
 def test_gaps_before_and_after_are_those_of_the_residuals() -> None:
     found = diagnosis("explained")
-    view = View(found, NAMES, {})
-    held_out = found.metric.campaign.held_out
+    view, data = View(found, NAMES, {}), found.model.data
     for residuals, side in ((found.nominal, "before"), (found.best.fit.residual, "after")):
-        rows = [c for c in found.metric.campaign.channels if c.recording == 2]
+        rows = [c for c in data.channels if c.recording == 2]
         counts: dict[str, int] = {}
         for channel in rows:
             counts[channel.group] = counts.get(channel.group, 0) + int(np.isfinite(channel.measured).sum())
         total = sum(counts[name] * getattr(change, side) ** 2 for name, change in view.by_group.items())
-        assert total == pytest.approx(float(residuals[held_out] @ residuals[held_out]), rel=1e-12)
-    assert np.nanmax(np.abs((view.campaign.measured - view.nominal) * found.metric.weight - found.nominal)) < 1e-6
+        assert total == pytest.approx(float(residuals[data.held_out] @ residuals[data.held_out]), rel=1e-12)
+    shown = (view.data.measured - view.nominal) * found.model.noise.weight
+    assert np.nanmax(np.abs(shown - found.nominal)) < 1e-6
 
 
 def test_the_file_is_written(tmp_path: Path) -> None:
@@ -232,34 +250,35 @@ def test_words(said: object, text: object) -> None:
     assert said == text
 
 
-def test_what_only_recordings_held_out_show_is_to_be_learnt_from() -> None:
+def test_what_only_recordings_held_out_show_is_to_train_with() -> None:
     found = diagnosis(VERDICTS[-1])
-    assert not found.not_learnt
-    campaign = found.metric.campaign
-    hidden = replace(found, nominal=np.where(campaign.train, residual(found.metric, 1.0), found.nominal))
-    (index,) = hidden.not_learnt
-    name = campaign.recordings[index].name
-    assert index == 2 and f"learn from {name} as well" in sentence(hidden)
-    best = found.contest[0]
-    left = np.where(campaign.train, residual(found.metric, 1.0), best.fit.residual)
-    learnt = replace(best, fit=replace(best.fit, residual=left), train=1.0)  # it explains all that it was taught
-    assert replace(found, contest=(learnt,)).not_learnt.keys() == {2}
+    assert not found.not_trained
+    data = found.model.data
+    hidden = replace(found, nominal=np.where(data.train, residual(found.model, 1.0), found.nominal))
+    (index,) = hidden.not_trained
+    name = data.recordings[index].name
+    assert index == 2 and f"train with {name} as well" in sentence(hidden)
+    best = found.scored[0]
+    left = np.where(data.train, residual(found.model, 1.0), best.fit.residual)
+    trained = replace(best, fit=replace(best.fit, residual=left), train=1.0)  # it explains all of training
+    assert replace(found, scored=(trained,)).not_trained.keys() == {2}
 
 
-def test_a_part_of_a_recording_held_out_that_taught_as_well_is_told() -> None:
-    m = metric(1)
+def test_a_part_of_a_recording_held_out_that_trained_as_well_is_told() -> None:
     found = diagnosis("explained", 1)
-    assert "taught" not in sentence(found)
-    found = replace(found, metric=replace(m, campaign=m.campaign.borrowing(2)))
+    assert "trained as well" not in sentence(found)
+    extended = found.model.predictor.extending(2)
+    noise = replace(found.model.noise, data=extended.data)
+    found = replace(found, model=replace(found.model.with_noise(noise), predictor=extended))
     answer = document(found, NAMES)
     assert answer["provenance"]["recordings"]["learnt_in_part"] == [HOSTILE]
-    assert f"the first 60% of {HOSTILE} taught it as well" in sentence(found)
+    assert f"the first 60% of {HOSTILE} trained as well" in sentence(found)
     parts = [View(found, NAMES, answer).part(k) for k in range(3)]
     assert parts == ["training", "held out", "training: the first 60\N{NO-BREAK SPACE}%; the rest held out"]
 
 
 def test_what_surely_leaves_some_of_a_small_gap_is_no_explanation() -> None:
-    quiet, loud = (judged(metric(2), PAYLOAD, size) for size in (1.0, 2.0))
+    near_noise, loud = (scored(model_of(2), PAYLOAD, size) for size in (1.0, 2.0))
     whole, most = Closure(1.0, 0.9, 1.1), Closure(0.73, 0.55, 0.90)
-    assert explains((1.11, 1.11), quiet, whole)
-    assert not explains((1.11, 1.11), quiet, most) and not explains((8.0, 8.0), loud, whole)
+    assert explains((1.11, 1.11), near_noise, whole)
+    assert not explains((1.11, 1.11), near_noise, most) and not explains((8.0, 8.0), loud, whole)

@@ -1,5 +1,6 @@
-"""What is told can be done: commands in README and docs, every command's help, examples, equations, the public API."""
+"""What pages say can be done: commands, every command's help, examples, words, tables of keys, equations, the API."""
 
+import ast
 import importlib.util
 import inspect
 import re
@@ -7,6 +8,7 @@ import shlex
 import subprocess
 import sys
 import tomllib
+from dataclasses import fields
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -17,10 +19,15 @@ import typer
 from typer.core import TyperGroup
 
 from boom_mj.cli import app
-from boom_mj.effects import Effect
+from boom_mj.diagnosis.criteria import Criteria, SearchBudget
+from boom_mj.effects import Effect, Motion, base, effect_library, registry
+from boom_mj.logs.topic_map import Entry
 from boom_mj.machine import load_machine
+from boom_mj.machine.beam import Clamp, Marker
 from boom_mj.simulation import load_experiment, make_plant
+from boom_mj.simulation.experiments import Chirp, Experiment, Move
 from boom_mj.systems.mjcf import load_channel_map
+from boom_mj.systems.mjcf.channel_map import ChannelEntry, ChannelMap
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -33,6 +40,11 @@ CALLS = [
     if not call.startswith("COMMAND")
 ]
 COMMANDS = {}
+KINDS = [k for k in vars(base).values() if inspect.isclass(k) and issubclass(k, Effect) and k is not Effect]
+GLOSSARY = ROOT / "docs" / "reference" / "glossary.md"
+_, _, LIST = GLOSSARY.read_text().partition("## Words that pages do not use")
+WORDS = [word for row in re.findall(r"^\| (`.*?) \|", LIST, re.M) for word in re.findall(r"`([^`]+)`", row)]
+PRIVATE = re.compile(rf"\b(?:{'|'.join(map(re.escape, WORDS))})\b", re.I)
 
 
 def collect(command: typer.core.TyperCommand | TyperGroup, name: str = "") -> None:
@@ -62,8 +74,15 @@ def site_pages() -> ModuleType:
 SITE = site_pages()
 
 
+@pytest.mark.usefixtures("own_files")
 @pytest.mark.parametrize("call", CALLS)
-def test_commands_in_the_pages_are_commands(call: str) -> None:
+def test_commands_in_the_pages_are_commands(call: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the Python files of the pages lie: files of effects are read before anything else."""
+    for page in PAGES:
+        for language, title, text in BLOCK.findall(page.read_text()):
+            if language == "python" and title:
+                (tmp_path / title).write_text(text)
+    monkeypatch.chdir(tmp_path)
     parse(call)
 
 
@@ -101,24 +120,75 @@ def test_blocks_of_code_are_good(page: Path, tmp_path: Path) -> None:
                 assert all(hasattr(import_module(module), name.strip()) for name in names.split(","))
 
 
-def test_the_effect_of_the_tutorial_is_one() -> None:
-    page = (ROOT / "docs" / "tutorials" / "add_effect.md").read_text()
-    (code,) = [text for language, title, text in BLOCK.findall(page) if language == "python"]
-    space: dict = {}
-    exec(code, space)
-    rope = next(
-        kind for kind in space.values() if inspect.isclass(kind) and issubclass(kind, Effect) and "id" in vars(kind)
-    )
-    boom = load_machine("boom36")
-    force = rope(force=100.0).push(boom, np.zeros(3), np.zeros((3, 5)))["tip"]
+def test_the_effect_of_the_how_to_is_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = (ROOT / "docs" / "how-to" / "add_effect.md").read_text()
+    code = {title: text for language, title, text in BLOCK.findall(page) if language == "python"}
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(registry, "_files", {})
+    (tmp_path / "tip_rope.py").write_text(code["tip_rope.py"])
+    try:
+        space: dict = {}
+        exec(code["test_tip_rope.py"], space)
+        space["test_laws"]()
+        rope, boom = effect_library()["tip_rope"], load_machine("boom36")
+    finally:
+        effect_library.cache_clear()
+    force = rope(force=100.0).force(Motion(np.zeros(3), machine=boom))["tip"]
     np.testing.assert_array_equal(force, [[0.0, 100.0, 0.0]] * 3)
     assert make_plant(boom, 1, [rope(force=100.0)]).model.actuator("push_tip_y").id >= 0
 
 
-def test_the_ten_lines_are_those_of_the_tour() -> None:
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
+def test_every_kind_of_effect_is_in_the_how_to(kind: type[Effect]) -> None:
+    page = (ROOT / "docs" / "how-to" / "add_effect.md").read_text()
+    assert f"`{kind.__name__}`" in page
+    assert all(re.search(rf"`{name}[`(]", page) for name in kind.__abstractmethods__)
+
+
+def words(text: str) -> set[str]:
+    """Private words of a text, outside code."""
+    plain = re.sub(r"`[^`]*`", "", re.sub(r"^```.*?^```", "", text, flags=re.M | re.S))
+    return {match[0].lower() for match in PRIVATE.finditer(plain)}
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if page != GLOSSARY], ids=lambda page: page.name)
+def test_pages_speak_the_words_of_the_field(page: Path) -> None:
+    assert words(page.read_text()) == set()
+
+
+def test_a_private_word_is_found() -> None:
+    assert len(WORDS) > 40
+    assert words("A knob of the contest, and `knob` in code.\n```\ntwin\n```\nTwins") == {"knob", "contest", "twins"}
+
+
+def test_every_key_of_an_answer_is_described() -> None:
+    page = (ROOT / "docs" / "reference" / "answer.md").read_text()
+    keys = set()
+    for path in ("diagnosis/answer.py", "diagnosis/named.py", "diagnosis/sentences.py", "calibration/answer.py"):
+        for node in ast.walk(ast.parse((ROOT / "boom_mj" / path).read_text())):
+            found = node.keys if isinstance(node, ast.Dict) else ()
+            keys |= {key.value for key in found if isinstance(key, ast.Constant)}
+    assert {"verdict", "closure", "identifiability"} < keys
+    assert [key for key in sorted(keys) if f"`{key}`" not in page] == []
+
+
+def test_every_key_of_a_file_is_described() -> None:
+    page = SITE.with_keys((ROOT / "docs" / "reference" / "files.md").read_text())
+    assert "<!--" not in page
+    for kind in (Experiment, Move, Chirp, Clamp, Marker, Entry, ChannelMap, ChannelEntry):
+        for name, field in kind.model_fields.items():
+            assert f"`{field.alias or name}`" in page or f"`[[{name}]]`" in page, f"{kind.__name__}.{name}"
+
+
+def test_criteria_are_those_of_the_code() -> None:
+    page = SITE.criteria()
+    assert all(f"| `{field.name}` |" in page for field in (*fields(Criteria), *fields(SearchBudget)))
+
+
+def test_the_ten_lines_are_those_of_ten_minutes() -> None:
     lines = [
         text
-        for page in ("README.md", "docs/tour.md")
+        for page in ("README.md", "docs/tutorials/ten_minutes.md")
         for language, _, text in BLOCK.findall((ROOT / page).read_text())
         if language == "python"
     ]
@@ -127,7 +197,7 @@ def test_the_ten_lines_are_those_of_the_tour() -> None:
 
 
 def test_every_equation_has_its_code() -> None:
-    page = SITE.with_code((ROOT / "docs" / "equations.md").read_text())
+    page = SITE.with_code((ROOT / "docs" / "reference" / "equations.md").read_text())
     numbers = [int(number) for number in re.findall(r"^- \*\*\((\d+)\)\*\*", page, re.M)]
     assert numbers == list(range(1, SITE.LAST + 1))
     assert set(SITE.mentions()) == set(numbers)

@@ -1,79 +1,93 @@
-"""Courses in time that no log tells: whitening by what they may do, how strong they are, and what is none."""
+"""Inputs in time that no log tells: whitening by what they may do, how strong they are, and what is none."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from boom_mj.diagnosis import Campaign
-from boom_mj.diagnosis.linearisation import Metric, allowed, beside
-from boom_mj.effects import make_effect
-from boom_mj.effects.effect import COURSE_TIME, KNOT
-from boom_mj.estimation.latent_input import NONE, Courses, _Plan, courses_of
+from boom_mj.diagnosis.latent import _Responses, latent_input_of
+from boom_mj.diagnosis.linearisation import Linearisation
+from boom_mj.effects import Effect, make_effect
+from boom_mj.estimation.latent_input import CORRELATION_S, KNOT_S, NONE, LatentInput
+from boom_mj.systems.predictor import Predictor, dataset_of
 
 WIND, BREEZE = ((make_effect("wind", {"mean_speed": speed, "direction": 1.2}),) for speed in (15.0, 2.0))
 STRENGTH = 2.0
+UNWHITENED = SimpleNamespace(whitened=lambda rows, columns: columns)
 
 
-def noise(metric: Metric) -> np.ndarray:
-    return np.where(metric.weight > 0, np.random.default_rng(2).standard_normal(len(metric.weight)), 0.0)
+def noise(model: Linearisation) -> np.ndarray:
+    weight = model.noise.weight
+    return np.where(weight > 0, np.random.default_rng(2).standard_normal(len(weight)), 0.0)
+
+
+def latent(model: Linearisation, effects: tuple[Effect, ...], residual: np.ndarray) -> LatentInput:
+    found = latent_input_of(model.predictor, effects, model.noise, residual, [0])
+    assert found is not None
+    return found
 
 
 @pytest.fixture(scope="module")
-def gusty(metric: Metric) -> tuple[Courses, np.ndarray]:
-    """Courses that fit a residual, and the residual: noise and gusts of a strength."""
-    residual = noise(metric)
-    (part,) = courses_of(metric.campaign, WIND, metric.whitened, 9 * residual, [0]).parts
+def gusty(model: Linearisation) -> tuple[LatentInput, np.ndarray]:
+    """The latent input that fits a residual, and the residual: noise and gusts of a strength."""
+    residual = noise(model)
+    (part,) = latent(model, WIND, 9 * residual).parts
     gusts = STRENGTH * np.random.default_rng(3).multivariate_normal(np.zeros(len(part.turn)), prior(len(part.turn)))
     residual[part.rows] += part.responses @ gusts
-    return courses_of(metric.campaign, WIND, metric.whitened, residual, [0]), residual
+    return latent(model, WIND, residual), residual
 
 
 def prior(count: int) -> np.ndarray:
-    knots = KNOT * np.arange(count)
-    return np.exp(-np.abs(knots[:, None] - knots) / COURSE_TIME)
+    knots = KNOT_S * np.arange(count)
+    return np.exp(-np.abs(knots[:, None] - knots) / CORRELATION_S)
 
 
-def test_gusts_are_whitened_by_their_covariance(metric: Metric, gusty: tuple[Courses, np.ndarray]) -> None:
+def test_gusts_are_whitened_by_their_covariance(model: Linearisation, gusty: tuple[LatentInput, np.ndarray]) -> None:
     """(1 + s^2 L Q L^T)^(-1/2) takes out of a residual what gusts have added."""
     found, residual = gusty
     (part,) = found.parts
     white, vector = found.without(residual), np.random.default_rng(4).standard_normal(len(residual))
     assert np.std(residual) > 1.5
-    assert np.std(white[metric.weight > 0]) == pytest.approx(1, abs=0.05)
+    assert np.std(white[model.noise.weight > 0]) == pytest.approx(1, abs=0.05)
     covariance = part.responses @ prior(len(part.turn)) @ part.responses.T
     covariance = np.eye(len(residual)) + found.strength**2 * covariance
     assert found.without(vector) @ white == pytest.approx(vector @ np.linalg.solve(covariance, residual), abs=1e-2)
 
 
-def test_their_strength_is_told(gusty: tuple[Courses, np.ndarray]) -> None:
-    assert gusty[0].reach[0] < gusty[0].strength < gusty[0].reach[1]
-    assert gusty[0].reach[0] < STRENGTH < gusty[0].reach[1]
+def test_their_strength_is_told(gusty: tuple[LatentInput, np.ndarray]) -> None:
+    low, high = gusty[0].interval
+    assert low < gusty[0].strength < high
+    assert low < STRENGTH < high
 
 
-def test_without_a_wind_there_are_no_gusts(metric: Metric, gusty: tuple[Courses, np.ndarray]) -> None:
+def test_without_a_wind_there_are_no_gusts(model: Linearisation, gusty: tuple[LatentInput, np.ndarray]) -> None:
     """What a mild one would have to do is done by something else."""
-    assert courses_of(metric.campaign, BREEZE, metric.whitened, gusty[1], [0]) is NONE
+    assert latent(model, BREEZE, gusty[1]) is NONE
     assert NONE.without(gusty[1]) == pytest.approx(gusty[1])
 
 
-def test_only_what_has_a_course_is_whitened_by_one(metric: Metric) -> None:
-    assert beside(metric, (make_effect("tip_payload", {"mass": 40.0}),)).courses is None
-    windy = beside(metric, WIND)
-    assert windy.courses is not None and beside(windy, ()).courses is None
-    assert beside(windy, WIND).courses is windy.courses and allowed(windy, WIND).courses is windy.courses
+def test_only_what_has_a_latent_input_is_whitened_by_one(model: Linearisation) -> None:
+    assert model.conditional_on((make_effect("tip_payload", {"mass": 40.0}),)).latent is None
+    windy = model.conditional_on(WIND)
+    assert windy.latent is not None and windy.conditional_on(()).latent is None
+    assert windy.conditional_on(WIND).latent is windy.latent and windy.allowing(WIND).latent is windy.latent
 
 
 @pytest.mark.parametrize("missing", [(7.58, 8.18), (0.0, 7.48), (8.38, 9.9)], ids=["hole", "late start", "early end"])
-def test_what_a_stream_lacks_moves_no_response(metric: Metric, missing: tuple[float, float]) -> None:
+def test_what_a_stream_lacks_moves_no_response(model: Linearisation, missing: tuple[float, float]) -> None:
     """Markers that miss blocks feel every gust at the others as before."""
-    log, (start, stop) = metric.campaign.recordings[0], missing
+    data, (start, stop) = model.data, missing
+    log = data.recordings[0]
     there = (log["markers"].time < start) | (log["markers"].time > stop)
     markers = replace(log["markers"], time=log["markers"].time[there], values=log["markers"].values[there])
-    holed = Campaign(metric.campaign.subject, [log.with_signals({"markers": markers})], 1, threads=1)
-    part, other = (_Plan.of(c, WIND, WIND[0], 0).part(lambda rows, columns: columns) for c in (metric.campaign, holed))
-    for number, channel in enumerate(metric.campaign.channels):
-        whole, own = part.responses[metric.campaign.stretch(number)], other.responses[holed.stretch(number)]
+    holed = dataset_of(model.system, [log.with_signals({"markers": markers})], 1)
+    part, other = (
+        _Responses.begin(predictor, WIND, WIND[0], 0).part(predictor, UNWHITENED)
+        for predictor in (model.predictor, Predictor(model.system, holed, threads=1))
+    )
+    for number, channel in enumerate(data.channels):
+        whole, own = part.responses[data.stretch(number)], other.responses[holed.stretch(number)]
         kept = np.isin(channel.blocks, holed.channels[number].blocks)
         assert np.count_nonzero(kept) > 3 and kept.all() == (channel.signal != "markers")
         assert np.allclose(own, whole[kept], atol=1e-6 + 1e-3 * np.abs(whole).max())

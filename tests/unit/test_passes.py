@@ -6,9 +6,11 @@ import numpy as np
 
 from boom_mj.diagnosis.candidate import Candidate
 from boom_mj.diagnosis.fitting import fit
-from boom_mj.diagnosis.linearisation import make_metric
-from boom_mj.diagnosis.scoring import deviations, judge
-from boom_mj.systems.mjcf import robot_campaign
+from boom_mj.diagnosis.linearisation import linearise
+from boom_mj.diagnosis.scoring import deviations, score
+from boom_mj.effects import effect_library
+from boom_mj.systems.mjcf import load_mjcf
+from boom_mj.systems.predictor import Predictor
 
 MODEL = """<mujoco><option gravity="0 0 0"/><worldbody><body name="arm"><joint name="swing"/>
 <geom size="0.1" mass="1" pos="1 0 0"/></body></worldbody>
@@ -38,11 +40,12 @@ def deviation(folder: Path, passes: int) -> float:
     torque += 0.01 * rng.standard_normal(len(time))
     rows = "\n".join(f"{t:.2f},{0.5 * np.sin(w * t):.8f},{u:.8f}" for t, u in zip(time, torque))
     (folder / "log.csv").write_text("t,q,u\n" + rows + "\n")
-    campaign = robot_campaign([folder / "log.csv"], [folder / "log.csv"], folder / "map.toml")
-    kind, place = next(row for row in campaign.subject.library() if row[0].id == "viscous_friction")
-    metric = make_metric(campaign)
-    found = judge(metric, fit(metric, Candidate((kind(place, damping=0.4),))))
-    return float(deviations(metric, found.fit)[0])
+    system, data = load_mjcf([folder / "log.csv"], [folder / "log.csv"], folder / "map.toml")
+    kind = effect_library()["viscous_joint_friction"]
+    (site,) = kind.allowed(system.sites())
+    model = linearise(Predictor(system, data))
+    found = score(model, fit(model, Candidate((kind(site, damping=0.4),))))
+    return float(deviations(model, found.fit)[0])
 
 
 def test_more_passes_of_the_same_error_tell_no_more(tmp_path: Path) -> None:

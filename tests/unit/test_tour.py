@@ -1,4 +1,4 @@
-"""The tour as a newcomer walks it: every command of docs/tour.md in an empty folder, and what it prints."""
+"""Ten minutes as a newcomer spends them: every command of the tutorial in an empty folder, and what it prints."""
 
 import os
 import re
@@ -9,7 +9,7 @@ from pathlib import Path
 from opengl import can_render
 
 ROOT = Path(__file__).parents[2]
-TOUR = (ROOT / "docs" / "tour.md").read_text()
+TOUR = (ROOT / "docs" / "tutorials" / "ten_minutes.md").read_text()
 BLOCK = re.compile(r'^(<!-- needs EGL -->\n)?```(\w+)(?: title="([^"]+)")?\n(.*?)^```$', re.M | re.S)
 TOKEN = re.compile(r"(?:(\d+(?:\.\d+)?(?:e[+-]?\d+)?)|\S)")
 CLOSE = 0.02  # relative, and two units of the last digit shown: other processors round and stop fits elsewhere
@@ -83,4 +83,4 @@ def test_the_tour(tmp_path: Path) -> None:
             walked += 1
     assert walked >= 12
     made = {path.name for path in tmp_path.iterdir()}
-    assert {"boom.xml", "twin.png", "gap.html", "answer.html", "corrected.toml", "calibrated.toml"} <= made
+    assert {"boom.xml", "replay.png", "gap.html", "answer.html", "corrected.toml", "calibrated.toml"} <= made

@@ -43,10 +43,10 @@ def figures(answer: Mapping[str, Any], shown: Validation) -> Figures:
 
 def section(shown: Validation) -> Section:
     found = shown.found
-    space, known = found.refined.space, found.identified
+    free, known = found.refined.free, found.identified
     rows = []
-    for knob, x, deviation in zip(found.whole.knobs, found.coordinates, found.deviation):
-        (parameter,) = knob.parameters
+    for group, x, deviation in zip(found.whole.tied, found.scaled, found.deviation):
+        (parameter,) = group.parameters
         low, high = (float(np.exp(x + side * Z95 * deviation)) for side in (-1, 1))
         value = parameter.value(found.machine)
         digits = digits_of(low, high)
@@ -55,28 +55,28 @@ def section(shown: Validation) -> Section:
         rows.append((words, number(value), number(value * float(np.exp(x)), digits), interval, parameter.unit))
     offsets = [
         (f"joint {k + 1}", f"{np.degrees(v):+.3f} ± {np.degrees(Z95 * s):.3f}")
-        for k, (v, s) in enumerate(zip(found.refined.coordinates[-5:], found.refined.deviation[-5:]))
+        for k, (v, s) in enumerate(zip(found.refined.scaled[-5:], found.refined.deviation[-5:]))
     ]
 
     def paint(figure: Figure) -> None:
-        axes, free = figure.subplots(), len(space.knobs)
-        middle = np.exp(found.refined.coordinates[:free])
-        reach = np.exp(Z95 * found.refined.deviation[:free])
-        place = np.arange(free)[::-1]
+        axes, count = figure.subplots(), len(free.tied)
+        middle = np.exp(found.refined.scaled[:count])
+        reach = np.exp(Z95 * found.refined.deviation[:count])
+        place = np.arange(count)[::-1]
         axes.hlines(place, middle / reach, middle * reach, color=CORRECTED, lw=3)
         axes.plot(middle, place, "o", color=CORRECTED, ms=4.5)
         axes.axvline(1, color=QUIET, lw=0.8)
-        axes.set_yticks(place, [spaced(name.replace("_", " ").replace(".", ", ")) for name in space.names[:free]])
+        axes.set_yticks(place, [spaced(name.replace("_", " ").replace(".", ", ")) for name in free.names[:count]])
         axes.set_xlabel("calibrated over the machine file's")
         axes.grid(axis="x", color=FAINT)
 
-    height = MARGIN + ROW * len(space.knobs)
+    height = MARGIN + ROW * len(free.tied)
     picture = draw("parameters", "Factors on the machine file's values with 95 % intervals", WIDTH, height, paint)
     facts = {
         "rows": rows,
         "offsets": offsets,
         "picture": picture,
-        "given_up": found.given_up,
+        "fixed": found.fixed,
         "at_bound": found.refined.at_bound,
         "correlated": [(a, b, f"{value:+.3f}") for a, b, value in known.correlated],
         "null": [", ".join(f"{name} {weight:+.2f}" for name, weight in combination) for combination in known.null],
