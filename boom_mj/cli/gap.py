@@ -12,13 +12,8 @@ from typer.core import TyperCommand
 
 from boom_mj.cli import blind
 from boom_mj.cli.arguments import find_machine, machine_text, output_folder, output_path
-from boom_mj.effects import effect_library
-from boom_mj.effects.general_effect import general_library
 from boom_mj.errors import InputError
 from boom_mj.files import locked, write_text
-from boom_mj.logs import read_log, write_mcap
-from boom_mj.logs.columns import write_columns
-from boom_mj.recording import Recording, named_signal
 
 app = typer.Typer(help="Diagnose the gap between simulator and machine.", no_args_is_help=True)
 app.add_typer(blind.app, name="blind")
@@ -49,6 +44,9 @@ def effects() -> None:
 
     Example: python -m boom_mj gap effects
     """
+    from boom_mj.effects import effect_library
+    from boom_mj.effects.general_effect import general_library
+
     for kind in effect_library().values():
         places = ", ".join(f"{key} = {'|'.join(map(str, choices))}" for key, choices in kind.places.items())
         print(f"{kind.id}{f'  ({places})' if places else ''}")
@@ -100,6 +98,9 @@ def diagnose(
     """
     from boom_mj.diagnosis import Campaign, document, with_effects_text
     from boom_mj.diagnosis import diagnose as find
+    from boom_mj.effects import effect_library
+    from boom_mj.effects.general_effect import general_library
+    from boom_mj.logs import read_log
 
     if model is not None and channels is None:
         raise InputError("--model needs a channel map: say which field of the log is what with --map MAP.toml")
@@ -174,6 +175,9 @@ def _named(effect: dict[str, Any]) -> str:
 
 def _write_predictions(found: Any, folder: Path, paths: list[Path]) -> None:
     from boom_mj.diagnosis import twins
+    from boom_mj.logs import write_mcap
+    from boom_mj.logs.columns import write_columns
+    from boom_mj.recording import Recording, named_signal
     from boom_mj.systems.mjcf import MjcfSystem, twin_tables
 
     folder.mkdir(parents=True, exist_ok=True)

@@ -7,8 +7,6 @@ import typer
 
 from boom_mj.cli.arguments import Hinges, MachineFile, find_model, output_path
 from boom_mj.files import write_text
-from boom_mj.machine import Beam
-from boom_mj.mjcf import build, build_beam
 
 
 def command(
@@ -22,6 +20,9 @@ def command(
 
     Example: python -m boom_mj generate boom36 -o boom.xml --hinges 4
     """
+    from boom_mj.machine import Beam
+    from boom_mj.mjcf import build, build_beam
+
     if output is not None:
         output_path(output, ".xml")
     found = find_model(machine)

@@ -2,18 +2,24 @@
 
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from boom_mj.cli.arguments import Cluster, Hinges, find_machine, last_states_beside, output_folder, output_path
-from boom_mj.cli.progress import progress
+from boom_mj.cli.arguments import (
+    EXPERIMENTS,
+    Cluster,
+    Hinges,
+    find_machine,
+    last_states_beside,
+    output_folder,
+    output_path,
+)
 from boom_mj.errors import InputError
-from boom_mj.logs import read_log, write_mcap
-from boom_mj.recording import Recording
-from boom_mj.replay import replay
-from boom_mj.sensors import measure
-from boom_mj.simulation import CATALOGUE, Trajectory, load_experiment, make_plant, run_experiment
+
+if TYPE_CHECKING:
+    from boom_mj.recording import Recording
+    from boom_mj.simulation import Trajectory
 
 LAYOUTS = ("coco", "nerfstudio", "bop", "mcap")
 KINDS = ("light", "texture", "pose")
@@ -23,7 +29,7 @@ def command(
     what: Annotated[str, typer.Argument(metavar="MACHINE.toml|LOG", help="A machine, or a log to replay.")],
     output: Annotated[Path, typer.Option("-o", metavar="DIR", help="Folder of the data set: new, empty or begun.")],
     experiment: Annotated[
-        str, typer.Option(help=f"What a machine does: a .toml of your own, or one of: {', '.join(CATALOGUE)}.")
+        str, typer.Option(help=f"What a machine does: a .toml of your own, or one of: {', '.join(EXPERIMENTS)}.")
     ] = "release_stretched_vertical",
     machine: Annotated[str | None, typer.Option(help="Machine of a log; the one that it names if left out.")] = None,
     camera: Annotated[
@@ -64,6 +70,7 @@ def command(
     from boom_mj.cameras.render import render_dataset
     from boom_mj.cameras.rig import rig_of
     from boom_mj.cameras.shooting import Look, frames_of
+    from boom_mj.cli.progress import progress
 
     if sheet is not None:
         output_path(sheet, ".png")
@@ -86,6 +93,7 @@ def command(
     with progress() as report:
         render_dataset(film, frames, look, dataset, output, wanted, report, jobs, cluster)
     if "mcap" in wanted:
+        from boom_mj.logs import write_mcap
         from boom_mj.logs.pictures import picture_messages
 
         write_mcap(recording, output / "dataset.mcap", also=picture_messages(output, dataset))
@@ -106,8 +114,13 @@ def _choice(text: str, known: tuple[str, ...], option: str) -> frozenset[str]:
     return chosen
 
 
-def _motion(what: str, experiment: str, machine: str | None, hinges: int) -> tuple[Trajectory, Recording]:
+def _motion(what: str, experiment: str, machine: str | None, hinges: int) -> "tuple[Trajectory, Recording]":
     """A motion from time 0 on, and its recording without noise."""
+    from boom_mj.logs import read_log
+    from boom_mj.replay import replay
+    from boom_mj.sensors import measure
+    from boom_mj.simulation import load_experiment, make_plant, run_experiment
+
     path = Path(what)
     if path.suffix in ("", ".toml") and not path.is_dir():
         plan = load_experiment(experiment)

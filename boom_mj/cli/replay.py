@@ -4,17 +4,16 @@ import json
 import math
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from boom_mj.cli.arguments import Hinges, find_machine, last_states_beside, output_path
 from boom_mj.errors import InputError
-from boom_mj.logs import load_topic_map, read_log, write_mcap
-from boom_mj.replay import Replay, replay
-from boom_mj.replay.quality import Quality, assess
-from boom_mj.sensors import boom_scene
-from boom_mj.simulation import make_plant
+
+if TYPE_CHECKING:
+    from boom_mj.replay import Replay
+    from boom_mj.replay.quality import Quality
 
 
 def command(
@@ -38,6 +37,12 @@ def command(
 
     Example: python -m boom_mj replay log.mcap --hinges 4 -o twin.mcap --picture twin.png
     """
+    from boom_mj.logs import load_topic_map, read_log, write_mcap
+    from boom_mj.replay import replay
+    from boom_mj.replay.quality import assess
+    from boom_mj.sensors import boom_scene
+    from boom_mj.simulation import make_plant
+
     for path, suffix in ((output, ".mcap"), (picture, ".png")):
         if path is not None:
             output_path(path, suffix)
@@ -66,7 +71,7 @@ def command(
             print(f"wrote {path}", file=sys.stderr)
 
 
-def _document(result: Replay, quality: Quality) -> dict:
+def _document(result: "Replay", quality: "Quality") -> dict:
     groups = {g.name: {"rms": g.rms, "noise": g.noise, "ratio": g.ratio, "unit": g.unit} for g in result.groups}
     steps = len(result.trajectory.time)
     simulated = float(result.trajectory.time[-1])
@@ -75,7 +80,7 @@ def _document(result: Replay, quality: Quality) -> dict:
     return {**document, "quality": _quality(quality)}
 
 
-def _quality(quality: Quality) -> dict:
+def _quality(quality: "Quality") -> dict:
     """Rates and gaps by signal, noise and excitation by channel; noise is null where a channel has no samples."""
     signals = {
         s.name: {
@@ -98,7 +103,7 @@ def _quality(quality: Quality) -> dict:
     return {"modes_hz": quality.modes_hz, "remarks": quality.remarks(), "signals": signals}
 
 
-def _table(result: Replay) -> str:
+def _table(result: "Replay") -> str:
     """Sensors down, directions across; every entry in units of the sensor's noise."""
     lines = [f"{result.log.name}: rms(measured - simulated) / sensor noise"]
     rows: dict[str, dict[str, str]] = {}

@@ -2,24 +2,30 @@
 
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
 import typer
 
-from boom_mj.cli.arguments import Cluster, Hinges, Jobs, MachineFile, find_machine, last_states_beside, output_path
-from boom_mj.cli.progress import progress
-from boom_mj.effects import parse_effect
+from boom_mj.cli.arguments import (
+    EXPERIMENTS,
+    Cluster,
+    Hinges,
+    Jobs,
+    MachineFile,
+    find_machine,
+    last_states_beside,
+    output_path,
+)
 from boom_mj.errors import BoomError, InputError
-from boom_mj.logs import write_mcap
-from boom_mj.sensors import boom_scene, record
-from boom_mj.simulation import CATALOGUE, Trajectory, load_experiment, make_plant, run_experiment
-from boom_mj.sweeping import Axis, Sweep, figures, read_rows, run_sweep
+
+if TYPE_CHECKING:
+    from boom_mj.simulation import Trajectory
+    from boom_mj.sweeping import Sweep
 
 
 def command(
     machine: MachineFile,
-    experiment: Annotated[str, typer.Argument(help=f"A .toml of your own, or one of: {', '.join(CATALOGUE)}.")],
+    experiment: Annotated[str, typer.Argument(help=f"A .toml of your own, or one of: {', '.join(EXPERIMENTS)}.")],
     output: Annotated[
         Path | None, typer.Option("-o", metavar="OUT.mcap|DIR", help="Recording to write; of a sweep, its folder.")
     ] = None,
@@ -54,10 +60,15 @@ def command(
 
     Example: python -m boom_mj simulate boom36 release_bow_vertical -o log.mcap --effect tip_payload:mass=40
     """
+    from boom_mj.effects import parse_effect
+    from boom_mj.simulation import load_experiment, make_plant, run_experiment
+
     plan, effects = load_experiment(experiment), [parse_effect(text) for text in effect or []]
     if sweep:
         if output is None:
             raise InputError("a sweep needs a folder for its recordings: -o DIR")
+        from boom_mj.sweeping import Axis, Sweep
+
         axes = tuple(Axis.parse(text) for text in sweep)
         wanted = Sweep(find_machine(machine), plan, axes, hinges, tuple(effects), draws, noise, seed, scene)
         _sweep(wanted, output, jobs, cluster)
@@ -66,6 +77,11 @@ def command(
         raise InputError("--draws, --jobs and --cluster are for a sweep: give a range with --sweep")
     if output is not None:
         output_path(output, ".mcap")
+    import numpy as np
+
+    from boom_mj.logs import write_mcap
+    from boom_mj.sensors import boom_scene, record
+
     plant = make_plant(find_machine(machine), hinges, effects)
     with last_states_beside(output):
         trajectory = run_experiment(plant, plan)
@@ -76,7 +92,10 @@ def command(
     _print_summary(trajectory, plan.duration, output)
 
 
-def _sweep(wanted: Sweep, folder: Path, jobs: int, cluster: str | None) -> None:
+def _sweep(wanted: "Sweep", folder: Path, jobs: int, cluster: str | None) -> None:
+    from boom_mj.cli.progress import progress
+    from boom_mj.sweeping import read_rows, run_sweep
+
     with progress() as report:
         for done, error in run_sweep(wanted, folder, jobs, cluster):
             if error:
@@ -93,7 +112,9 @@ def _sweep(wanted: Sweep, folder: Path, jobs: int, cluster: str | None) -> None:
         raise BoomError(f"{len(wanted) - made} of {len(wanted)} points have no recording")
 
 
-def _print_summary(trajectory: Trajectory, duration: float, output: Path | None) -> None:
+def _print_summary(trajectory: "Trajectory", duration: float, output: Path | None) -> None:
+    from boom_mj.sweeping import figures
+
     found = figures(trajectory)
     print(f"simulated     {duration:g} s, {len(trajectory.time)} steps")
     for label, name in (("tip at start", "tip_start"), ("tip at end  ", "tip_end"), ("tip moved   ", "tip_range")):

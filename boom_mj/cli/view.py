@@ -5,20 +5,19 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
-import mujoco
 import typer
 
 from boom_mj.cli.arguments import Hinges, find_machine
 from boom_mj.errors import BoomError
-from boom_mj.logs import read_mcap
-from boom_mj.replay import replay
-from boom_mj.simulation import Trajectory, load_experiment, make_plant, run_experiment
+
+if TYPE_CHECKING:
+    from boom_mj.simulation import Trajectory
 
 FRAME = 1 / 30  # s
-Sync = Callable[[mujoco.MjModel, mujoco.MjData], bool]
-"""Shows a state; False once the viewer is closed."""
+Sync = Callable[[Any, Any], bool]
+"""Shows a state, (MjModel, MjData); False once the viewer is closed."""
 
 
 def command(
@@ -37,6 +36,12 @@ def command(
 
     Example: python -m boom_mj view boom36 --experiment slew_t --speed 2
     """
+    import mujoco
+
+    from boom_mj.logs import read_mcap
+    from boom_mj.replay import replay
+    from boom_mj.simulation import load_experiment, make_plant, run_experiment
+
     if Path(what).suffix == ".mcap":
         log = read_mcap(what)
         motion = replay(make_plant(find_machine(machine or log.machine), hinges), log).trajectory
@@ -50,20 +55,22 @@ def command(
         raise BoomError(f"MuJoCo's viewer cannot run in {where} here: {error}") from error
 
 
-def _in_window(motion: Trajectory, speed: float, port: int, laps: int) -> None:
+def _in_window(motion: "Trajectory", speed: float, port: int, laps: int) -> None:
+    import mujoco
     import mujoco.viewer
 
     model, data = motion.plant.model, mujoco.MjData(motion.plant.model)
     with mujoco.viewer.launch_passive(model, data) as viewer:
 
-        def sync(model: mujoco.MjModel, data: mujoco.MjData) -> bool:
+        def sync(model: Any, data: Any) -> bool:
             viewer.sync()
             return bool(viewer.is_running())
 
         _play(motion, data, sync, speed, laps)
 
 
-def _in_browser(motion: Trajectory, speed: float, port: int, laps: int) -> None:
+def _in_browser(motion: "Trajectory", speed: float, port: int, laps: int) -> None:
+    import mujoco
     from mujoco.studio import app, launch_web, viewer_protocol
 
     data = mujoco.MjData(motion.plant.model)
@@ -73,15 +80,17 @@ def _in_browser(motion: Trajectory, speed: float, port: int, laps: int) -> None:
             f"http://localhost:{port} shows it; anyone who reaches that port sees it too; Ctrl-C ends", file=sys.stderr
         )
 
-        def sync(model: mujoco.MjModel, data: mujoco.MjData) -> bool:
+        def sync(model: Any, data: Any) -> bool:
             viewer.sync(model, data)
             return bool(viewer.is_running())
 
         _play(motion, data, sync, speed, laps)
 
 
-def _play(motion: Trajectory, data: mujoco.MjData, sync: Sync, speed: float, laps: int) -> None:
+def _play(motion: "Trajectory", data: Any, sync: Sync, speed: float, laps: int) -> None:
     """Set the states of a motion one after the other, in time."""
+    import mujoco
+
     model, lap = motion.plant.model, 0
     while laps == 0 or lap < laps:
         began, lap = time.monotonic(), lap + 1

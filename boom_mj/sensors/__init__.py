@@ -1,5 +1,7 @@
 """From a simulated motion to the recording that the machine's sensors would make of it."""
 
+from boom_mj.engine import mujoco as _mujoco  # noqa: F401  # isort: skip
+
 from boom_mj.sensors.driving import check_drivable as check_drivable
 from boom_mj.sensors.driving import driving_angles as driving_angles
 from boom_mj.sensors.measure import apply_sensor_effects as apply_sensor_effects
