@@ -3,6 +3,7 @@
 import json
 import math
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -58,13 +59,17 @@ def command(
         print(f"warning: {remark}", file=sys.stderr)
     with last_states_beside(output):
         result = replay(plant, recording)
-    if output is not None:
-        scene = boom_scene(result.trajectory, recording["joint/position"].time[0])
-        write_mcap(result.twin, output, beside={"/measured": result.log}, scene=scene)
-    if picture is not None:
-        from boom_mj.report import draw_overlay
+    with ThreadPoolExecutor(1) as beside:  # half of writing is compressing, which lets the picture be drawn meanwhile
+        writing = None
+        if output is not None:
+            scene = boom_scene(result.trajectory, recording["joint/position"].time[0])
+            writing = beside.submit(write_mcap, result.twin, output, beside={"/measured": result.log}, scene=scene)
+        if picture is not None:
+            from boom_mj.report import draw_overlay
 
-        draw_overlay(result, picture)
+            draw_overlay(result, picture)
+        if writing is not None:
+            writing.result()
     print(json.dumps(_document(result, quality), indent=1) if as_json else _table(result))
     for path in (output, picture):
         if path is not None:

@@ -18,12 +18,16 @@ class Group:
         rms: of measured - simulated, in `unit`.
         noise: standard deviation of the sensor.
         ratio: rms / noise.
+        signal: where its channels lie in a recording.
+        columns: which of the signal's they are.
     """
 
     name: str
     unit: str
     rms: float
     noise: float
+    signal: str
+    columns: tuple[int, ...]
 
     @property
     def ratio(self) -> float:
@@ -42,7 +46,7 @@ def compare(log: Recording, twin: Recording, noise: dict[str, Array]) -> tuple[G
         for group, columns in _groups(name, signal.channels).items():
             part = difference[:, columns]
             rms = float(np.sqrt(np.nanmean(part**2))) if np.isfinite(part).any() else float("nan")
-            groups.append(Group(group, signal.unit, rms, float(level[columns[0]])))
+            groups.append(Group(group, signal.unit, rms, float(level[columns[0]]), name, tuple(columns)))
     return tuple(groups)
 
 

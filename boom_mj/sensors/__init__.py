@@ -12,4 +12,5 @@ from boom_mj.sensors.measure import record as record
 from boom_mj.sensors.measure import sample as sample
 from boom_mj.sensors.measure import sample_rates as sample_rates
 from boom_mj.sensors.measure import true_angles as true_angles
+from boom_mj.sensors.scene import boom_lines as boom_lines
 from boom_mj.sensors.scene import boom_scene as boom_scene

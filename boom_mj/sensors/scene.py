@@ -1,10 +1,13 @@
 """The boom of a simulated motion as a moving scene."""
 
+from collections.abc import Sequence
+
 import mujoco
 import numpy as np
 
 from boom_mj.mjcf import YELLOW
 from boom_mj.recording import Scene
+from boom_mj.recording.names import JOINTS
 from boom_mj.simulation import Trajectory
 
 RATE = 20.0  # Hz
@@ -28,6 +31,29 @@ def boom_scene(trajectory: Trajectory, start: float = 0.0) -> Scene:
         triangles=tuple(_surface(model, k) for k in bodies),
         color=YELLOW[:3],
     )
+
+
+def boom_lines(trajectory: Trajectory, steps: Sequence[int], bent: bool = True) -> np.ndarray:
+    """The boom as a line at some steps, from the ground over joints and markers to the tip, (len(steps), p, 3), m.
+
+    Args:
+        bent: with the elastic hinges as they are, or at zero.
+    """
+    model = trajectory.plant.model
+    data, joints = mujoco.MjData(model), [model.joint(name).id for name in JOINTS]
+    markers = [k for k in range(model.nsite) if model.site(k).name.startswith("marker")]
+    elastic = np.setdiff1d(np.arange(model.nq), model.jnt_qposadr[joints])
+    lines = []
+    for step in steps:
+        data.qpos[:] = trajectory.qpos[step]
+        if not bent:
+            data.qpos[elastic] = 0
+        mujoco.mj_kinematics(model, data)
+        root, *anchors = data.xanchor[joints]
+        per_link = data.site_xpos[markers].reshape(len(anchors), -1, 3)
+        parts = [root[None], *(np.vstack([anchor, sites]) for anchor, sites in zip(anchors, per_link))]
+        lines.append(np.vstack([root * [1, 1, 0], *parts, data.site("tip").xpos]))
+    return np.array(lines)
 
 
 def _surface(model: mujoco.MjModel, body: int) -> np.ndarray:
