@@ -178,6 +178,7 @@ def _write_predictions(found: Any, folder: Path, paths: list[Path]) -> None:
     from boom_mj.logs import write_mcap
     from boom_mj.logs.columns import write_columns
     from boom_mj.recording import Recording, named_signal
+    from boom_mj.replay import residual
     from boom_mj.systems.mjcf import MjcfSystem, twin_tables
 
     folder.mkdir(parents=True, exist_ok=True)
@@ -191,7 +192,8 @@ def _write_predictions(found: Any, folder: Path, paths: list[Path]) -> None:
         for log, path, twin in zip(campaign.recordings, paths, said):
             signals = {name: named_signal(name, log[name].time, values) for name, values in twin.items()}
             recording = Recording(log.name, log.machine, f"{kind} twin: {log.description}", signals)
-            write_mcap(recording, folder / f"{stems[path]}.{kind}.mcap")
+            beside = {"/measured": log, "/residual": residual(log, recording)}
+            write_mcap(recording, folder / f"{stems[path]}.{kind}.mcap", beside=beside)
 
 
 def _stems(paths: list[Path]) -> dict[Path, str]:

@@ -95,8 +95,10 @@ def command(
     if "mcap" in wanted:
         from boom_mj.logs import write_mcap
         from boom_mj.logs.pictures import picture_messages
+        from boom_mj.sensors import boom_scene
 
-        write_mcap(recording, output / "dataset.mcap", also=picture_messages(output, dataset))
+        scene = boom_scene(trajectory, fixed={camera.name: camera.view.pose for camera in film.rig})
+        write_mcap(recording, output / "dataset.mcap", scene=scene, also=picture_messages(output, dataset))
     if sheet is not None:
         from boom_mj.cameras.pictures import contact_sheet
 

@@ -28,6 +28,9 @@ def command(
         Path | None, typer.Option("-o", metavar="OUT.mcap", help="Simulated twin to write, beside what was measured.")
     ] = None,
     picture: Annotated[Path | None, typer.Option(metavar="PNG", help="Picture to draw: log and twin overlaid.")] = None,
+    with_residual: Annotated[
+        bool, typer.Option("--residual", help="With measured - simulated, beside both, in OUT.mcap.")
+    ] = False,
     hinges: Hinges = 1,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")] = False,
 ) -> None:
@@ -39,7 +42,7 @@ def command(
     Example: python -m boom_mj replay log.mcap --hinges 4 -o twin.mcap --picture twin.png
     """
     from boom_mj.logs import load_topic_map, read_log, write_mcap
-    from boom_mj.replay import replay
+    from boom_mj.replay import replay, residual
     from boom_mj.replay.quality import assess
     from boom_mj.sensors import boom_scene
     from boom_mj.simulation import make_plant
@@ -59,11 +62,14 @@ def command(
         print(f"warning: {remark}", file=sys.stderr)
     with last_states_beside(output):
         result = replay(plant, recording)
-    with ThreadPoolExecutor(1) as beside:  # half of writing is compressing, which lets the picture be drawn meanwhile
+    with ThreadPoolExecutor(1) as worker:  # half of writing is compressing, which lets the picture be drawn meanwhile
         writing = None
         if output is not None:
             scene = boom_scene(result.trajectory, recording["joint/position"].time[0])
-            writing = beside.submit(write_mcap, result.twin, output, beside={"/measured": result.log}, scene=scene)
+            beside = {"/measured": result.log}
+            if with_residual:
+                beside["/residual"] = residual(result.log, result.twin)
+            writing = worker.submit(write_mcap, result.twin, output, beside=beside, scene=scene)
         if picture is not None:
             from boom_mj.report import draw_overlay
 

@@ -77,7 +77,6 @@ class _Column:
         pack: message from its stamp and numbers.
         stamps: (n,), ns.
         numbers: (n, k).
-        first: sequence number of the first.
     """
 
     name: str
@@ -85,7 +84,6 @@ class _Column:
     pack: Pack
     stamps: np.ndarray
     numbers: np.ndarray
-    first: int = 0
 
 
 def _topic_column(name: str, topic: Topic, recording: Recording, variance: Mapping[str, float]) -> _Column:
@@ -150,11 +148,10 @@ def _write(
         container.messages([record], np.array([channels[name]]), np.array([stamp]))
 
     register({column.name: column.ros_type for column in columns} | (SCENE_TYPES if scene else {}))
-    _write_columns(container, columns, channels)
     if scene:
         write_one(*shapes(scene), 0)
-        moving = _Column("/tf", SCENE_TYPES["/tf"], *frames(scene), first=1)
-        _write_columns(container, [moving], channels)
+        columns = [*columns, _Column("/tf", SCENE_TYPES["/tf"], *frames(scene))]
+    _write_columns(container, columns, channels)
     for i, (stamp, name, message) in enumerate(also):
         if name not in channels:
             register({name: message.__msgtype__})
@@ -176,7 +173,7 @@ def _write_columns(container: Container, columns: list[_Column], channels: Mappi
         for c, (column, serialiser) in enumerate(zip(columns, serialisers)):
             of = which[block] == c
             part = slice(done[c], done[c] + np.count_nonzero(of))
-            found = serialiser.records(numbers[c], column.stamps[part], column.numbers[part], column.first + part.start)
+            found = serialiser.records(numbers[c], column.stamps[part], column.numbers[part], part.start)
             records[of] = np.array([*found, None], object)[:-1]  # without the None, bytes would become an "S" array
             done[c] = part.stop
         container.messages(records.tolist(), numbers[which[block]], when[block])

@@ -6,3 +6,4 @@ from boom_mj.mjcf.beam import build_beam as build_beam
 from boom_mj.mjcf.builder import BoomModel as BoomModel
 from boom_mj.mjcf.builder import build as build
 from boom_mj.mjcf.scene import YELLOW as YELLOW
+from boom_mj.mjcf.scene import box_corners as box_corners

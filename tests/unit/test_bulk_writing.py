@@ -65,13 +65,13 @@ def one_by_one(log: Recording, moving: Scene, extra: list, path: Path, variance:
                 entries.append(
                     (stamp, order, i, topic.name, topic.kind.pack(header, topic.channels, row, noise)),
                 )
-        for stamp, _, i, name, message in sorted(entries, key=lambda entry: entry[:3]):
-            writer.add_message(channels[name], stamp, serialise(message), stamp, i)
-        stamp, name, message = shapes(moving)
-        writer.add_message(channels[name], stamp, serialise(message), stamp, 0)
         pack, stamps, numbers = frames(moving)
         for i, (stamp, row) in enumerate(zip(stamps.tolist(), numbers)):
-            writer.add_message(channels["/tf"], stamp, serialise(pack(stamp_of(stamp), row)), stamp, i + 1)
+            entries.append((stamp, len(TOPICS), i, "/tf", pack(stamp_of(stamp), row)))
+        stamp, name, message = shapes(moving)
+        writer.add_message(channels[name], stamp, serialise(message), stamp, 0)
+        for stamp, _, i, name, message in sorted(entries, key=lambda entry: entry[:3]):
+            writer.add_message(channels[name], stamp, serialise(message), stamp, i)
         register({extra[0][1]: extra[0][2].__msgtype__})
         for i, (stamp, name, message) in enumerate(extra):
             writer.add_message(channels[name], stamp, serialise(message), stamp, i)
