@@ -1,4 +1,4 @@
-"""view: an experiment or a log, moving, in MuJoCo's viewer."""
+"""view: an experiment or a log, moving, in MuJoCo's viewer or as a film."""
 
 import os
 import sys
@@ -9,13 +9,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from boom_mj.cli.arguments import Hinges, find_machine
-from boom_mj.errors import BoomError
+from boom_mj.cli.arguments import Hinges, find_machine, output_path
+from boom_mj.errors import BoomError, InputError
 
 if TYPE_CHECKING:
+    from boom_mj.recording import Recording
     from boom_mj.simulation import Trajectory
 
 FRAME = 1 / 30  # s
+FILMS = (".mp4", ".webm")
 Sync = Callable[[Any, Any], bool]
 """Shows a state, (MjModel, MjData); False once the viewer is closed."""
 
@@ -31,8 +33,16 @@ def command(
     web: Annotated[bool, typer.Option("--web", help="In a browser even where there is a screen.")] = False,
     port: Annotated[int, typer.Option(min=1, max=65535, help="Port of the web viewer.")] = 8080,
     laps: Annotated[int, typer.Option(min=0, help="How often to show it; 0: until the viewer is closed.")] = 0,
+    film: Annotated[
+        Path | None, typer.Option("--record", metavar="FILM.mp4|.webm", help="Film to make instead: twin and log.")
+    ] = None,
+    exaggerate: Annotated[
+        float, typer.Option(min=1, max=100, help="Factor on the film's deflections, and on measured - simulated.")
+    ] = 1.0,
 ) -> None:
     """Show an experiment or a replayed log in MuJoCo's viewer: a window where there is a screen, else in a browser.
+
+    --record draws a film instead, without a screen: the boom as it is simulated, and of a log the markers as measured.
 
     Example: python -m boom_mj view boom36 --experiment slew_t --speed 2
     """
@@ -42,17 +52,39 @@ def command(
     from boom_mj.replay import replay
     from boom_mj.simulation import load_experiment, make_plant, run_experiment
 
+    if film is None and exaggerate != 1:
+        raise InputError("--exaggerate is for films: say where with --record FILM.mp4")
+    if film is not None:
+        if film.suffix not in FILMS:
+            raise InputError(f"{film}: a film is a {' or '.join(FILMS)} file")
+        output_path(film)
+    log = None
     if Path(what).suffix == ".mcap":
         log = read_mcap(what)
         motion = replay(make_plant(find_machine(machine or log.machine), hinges), log).trajectory
     else:
         motion = run_experiment(make_plant(find_machine(what), hinges), load_experiment(experiment))
+    if film is not None:
+        _record(motion, log, log.name if log else f"{motion.plant.machine.name}: {experiment}", film, exaggerate, speed)
+        return
     screen = any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY")) or sys.platform in ("win32", "darwin")
     try:
         (_in_browser if web or not screen else _in_window)(motion, speed, port, laps)
     except (ImportError, OSError, RuntimeError, mujoco.FatalError) as error:
         where = f"a browser (port {port})" if web or not screen else "a window"
         raise BoomError(f"MuJoCo's viewer cannot run in {where} here: {error}") from error
+
+
+def _record(
+    motion: "Trajectory", log: "Recording | None", title: str, path: Path, exaggerate: float, speed: float
+) -> None:
+    from boom_mj.cameras.cinema import record_film, reel_of
+    from boom_mj.cli.progress import progress
+
+    reel = reel_of(motion, log, title, exaggerate, speed)
+    with progress() as report:
+        record_film(reel, path, lambda done, total: report("pictures", done, total))
+    print(path)
 
 
 def _in_window(motion: "Trajectory", speed: float, port: int, laps: int) -> None:
