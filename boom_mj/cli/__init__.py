@@ -14,7 +14,7 @@ from typing import Annotated, Any
 
 import typer
 
-from boom_mj.cli import calibrate, gap, generate, logs, render, replay, simulate, track, validate, view
+from boom_mj.cli import calibrate, gap, generate, logs, render, replay, schema, simulate, track, validate, view
 from boom_mj.cli.arguments import printable
 from boom_mj.errors import BoomError, InputError, LogWarning
 
@@ -40,7 +40,7 @@ app = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
 )
-for command in (generate, simulate, replay, validate, view, render, track):
+for command in (generate, simulate, replay, validate, view, render, track, schema):
     app.command(command.__name__.rpartition(".")[2])(command.command)
 app.command("calibrate", cls=gap.ManyHoldouts)(calibrate.command)
 app.add_typer(logs.app, name="logs")

@@ -24,6 +24,7 @@ EXPERIMENTS = (  # names in `simulation.CATALOGUE`, which takes longer to import
 MachineFile = Annotated[str, typer.Argument(metavar="MACHINE.toml", help="Machine file, or a name such as boom36.")]
 Hinges = Annotated[int, typer.Option(min=1, max=32, help="Equivalent hinges per elastic coordinate of each link.")]
 Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Processes of this machine that share the work.")]
+AsJson = Annotated[bool, typer.Option("--json", help="One JSON document on stdout; `schema` says what it holds.")]
 Cluster = Annotated[
     str | None,
     typer.Option(metavar="ADDRESS", help="Dask scheduler whose workers share it instead; they see the same folders."),

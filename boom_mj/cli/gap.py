@@ -2,8 +2,10 @@
 
 import inspect
 import json
+import math
 import sys
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,7 +13,7 @@ import typer
 from typer.core import TyperCommand
 
 from boom_mj.cli import blind
-from boom_mj.cli.arguments import find_machine, machine_text, output_folder, output_path
+from boom_mj.cli.arguments import AsJson, find_machine, machine_text, output_folder, output_path
 from boom_mj.errors import InputError
 from boom_mj.files import locked, write_text
 
@@ -39,7 +41,7 @@ class ManyHoldouts(TyperCommand):
 
 
 @app.command()
-def effects() -> None:
+def effects(as_json: AsJson = False) -> None:
     """List the effect library: physics, parameters, what each is confused with, which experiment tells.
 
     Example: python -m boom_mj gap effects
@@ -47,6 +49,9 @@ def effects() -> None:
     from boom_mj.effects import effect_library
     from boom_mj.effects.general_effect import general_library
 
+    if as_json:
+        print(json.dumps(_library(effect_library(), general_library()), indent=1))
+        return
     for kind in effect_library().values():
         places = ", ".join(f"{key} = {'|'.join(map(str, choices))}" for key, choices in kind.places.items())
         print(f"{kind.id}{f'  ({places})' if places else ''}")
@@ -59,6 +64,34 @@ def effects() -> None:
         print(f"{general.id}  ({general.where or 'the whole machine'})")
         print("    " + (inspect.getdoc(general) or "").replace("\n", "\n    "))
         print(f"    confused with: {', '.join(general.confused_with)}; told by: {general.told_by}\n")
+
+
+def _library(boom: Mapping[str, Any], general: Mapping[str, Any]) -> dict[str, Any]:
+    """Both libraries as plain data; sizes of general effects come from the model, their bounds are open."""
+
+    def told(kind: Any, places: Mapping[str, Any], parameters: Mapping[str, Any]) -> dict[str, Any]:
+        return {
+            "id": kind.id,
+            "physics": inspect.getdoc(kind) or "",
+            "places": {name: list(choices) for name, choices in places.items()},
+            "parameters": parameters,
+            "confused_with": list(kind.confused_with),
+            "told_by": kind.told_by,
+        }
+
+    of_boom = [
+        told(kind, kind.places, {name: _bounds(knob) for name, knob in kind.parameters.items()})
+        for kind in boom.values()
+    ]
+    return {
+        "boom": of_boom,
+        "any_machine": [told(kind, {"where": [kind.where or "machine"]}, {}) for kind in general.values()],
+    }
+
+
+def _bounds(knob: Any) -> dict[str, Any]:
+    ends = {"neutral": knob.neutral, "low": knob.low, "high": knob.high}
+    return {"unit": knob.unit, **{name: value if math.isfinite(value) else None for name, value in ends.items()}}
 
 
 @app.command(cls=ManyHoldouts)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from boom_mj.cli.arguments import printable
+from boom_mj.cli.arguments import AsJson, printable
 from boom_mj.errors import InputError
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ def _logs() -> None:
 @app.command()
 def inspect(
     log: Annotated[Path, typer.Argument(metavar="LOG", help="MCAP log, ROS bag or CSV table.")],
-    as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")] = False,
+    as_json: AsJson = False,
     as_map: Annotated[bool, typer.Option("--map", help="Only the proposed topic map, as TOML.")] = False,
 ) -> None:
     """Say what is in a log - topics, types, rates, jitter, gaps, clock resets, names - and propose a topic map.

@@ -1,5 +1,6 @@
 """render: an experiment or a recorded motion as a labelled camera data set."""
 
+import json
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -8,6 +9,7 @@ import typer
 
 from boom_mj.cli.arguments import (
     EXPERIMENTS,
+    AsJson,
     Cluster,
     Hinges,
     find_machine,
@@ -42,7 +44,7 @@ def command(
     every: Annotated[int, typer.Option(min=1, help="Take each Nth frame.")] = 1,
     scale: Annotated[float, typer.Option(min=0.02, max=4, help="Factor on width and height of the pictures.")] = 1.0,
     jpeg: Annotated[int, typer.Option(min=0, max=100, help="JPEG of this quality; 0: PNG.")] = 0,
-    depth: Annotated[bool, typer.Option("--depth", help="Depth of every pixel, too: 16 bit PNG, mm.")] = False,
+    depth: Annotated[bool, typer.Option("--depth", help="Depth, too: 16 bit PNG in 4 mm; 0 is sky.")] = False,
     masks: Annotated[bool, typer.Option("--masks", help="Which body every pixel shows, too: PNG.")] = False,
     distortion: Annotated[bool, typer.Option(help="Lenses of the machine file, or ideal ones.")] = True,
     noise: Annotated[bool, typer.Option("--noise", help="With the pixel noise of the machine file.")] = False,
@@ -60,6 +62,7 @@ def command(
     hinges: Hinges = 1,
     jobs: Annotated[int, typer.Option("--jobs", "--workers", min=1, max=64, help="Processes that render.")] = 2,
     cluster: Cluster = None,
+    as_json: AsJson = False,
 ) -> None:
     """Render a motion in front of the machine's cameras, with labels; killed, the same call finishes the rest.
 
@@ -103,8 +106,13 @@ def command(
         from boom_mj.cameras.pictures import contact_sheet
 
         contact_sheet(output, dataset, sheet)
-    print(f"data set     {output}: {len(frames)} frames of {', '.join(c.name for c in film.rig)}")
-    print(f"layouts      {', '.join(sorted(wanted))}")
+    cameras = [camera.name for camera in film.rig]
+    if as_json:
+        told = {"folder": str(output), "frames": len(frames), "cameras": cameras, "layouts": sorted(wanted)}
+        print(json.dumps(told, indent=1))
+    else:
+        print(f"data set     {output}: {len(frames)} frames of {', '.join(cameras)}")
+        print(f"layouts      {', '.join(sorted(wanted))}")
     if sheet is not None:
         print(f"wrote {sheet}", file=sys.stderr)
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from boom_mj.cli.arguments import Hinges, find_machine, last_states_beside, output_path
+from boom_mj.cli.arguments import AsJson, Hinges, find_machine, last_states_beside, output_path
 from boom_mj.errors import InputError
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ def command(
         bool, typer.Option("--residual", help="With measured - simulated, beside both, in OUT.mcap.")
     ] = False,
     hinges: Hinges = 1,
-    as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Drive the model with a log's joint angles and known load, and compare every channel group with its noise.
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from boom_mj.cli.arguments import output_path
+from boom_mj.cli.arguments import AsJson, output_path
 from boom_mj.errors import InputError
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ def command(
     workers: Annotated[
         int, typer.Option("--jobs", "--workers", min=1, max=64, help="Processes, one per camera at most.")
     ] = 2,
-    as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Find the markers in pictures: calibrate lenses and places, follow the plates, give positions where cameras agree.
 

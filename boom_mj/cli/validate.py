@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from boom_mj.cli.arguments import MachineFile, find_machine
+from boom_mj.cli.arguments import AsJson, MachineFile, find_machine
 
 if TYPE_CHECKING:
     import numpy as np
@@ -20,7 +20,7 @@ def command(
         list[int] | None, typer.Option(help="Hinges per elastic coordinate; may be given several times.")
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the poses.")] = 0,
-    as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Compare MuJoCo's tip deflections and frequencies with the Lagrangian reference's over random poses, in %.
 

@@ -1,5 +1,6 @@
 """view: an experiment or a log, moving, in MuJoCo's viewer or as a film."""
 
+import json
 import os
 import sys
 import time
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from boom_mj.cli.arguments import Hinges, find_machine, output_path
+from boom_mj.cli.arguments import AsJson, Hinges, find_machine, output_path
 from boom_mj.errors import BoomError, InputError
 
 if TYPE_CHECKING:
@@ -39,6 +40,7 @@ def command(
     exaggerate: Annotated[
         float, typer.Option(min=1, max=100, help="Factor on the film's deflections, and on measured - simulated.")
     ] = 1.0,
+    as_json: AsJson = False,
 ) -> None:
     """Show an experiment or a replayed log in MuJoCo's viewer: a window where there is a screen, else in a browser.
 
@@ -52,8 +54,8 @@ def command(
     from boom_mj.replay import replay
     from boom_mj.simulation import load_experiment, make_plant, run_experiment
 
-    if film is None and exaggerate != 1:
-        raise InputError("--exaggerate is for films: say where with --record FILM.mp4")
+    if film is None and (exaggerate != 1 or as_json):
+        raise InputError("--exaggerate and --json are for films: say where with --record FILM.mp4")
     if film is not None:
         if film.suffix not in FILMS:
             raise InputError(f"{film}: a film is a {' or '.join(FILMS)} file")
@@ -65,7 +67,9 @@ def command(
     else:
         motion = run_experiment(make_plant(find_machine(what), hinges), load_experiment(experiment))
     if film is not None:
-        _record(motion, log, log.name if log else f"{motion.plant.machine.name}: {experiment}", film, exaggerate, speed)
+        title = log.name if log else f"{motion.plant.machine.name}: {experiment}"
+        told = _record(motion, log, title, film, exaggerate, speed)
+        print(json.dumps(told, indent=1) if as_json else film)
         return
     screen = any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY")) or sys.platform in ("win32", "darwin")
     try:
@@ -77,14 +81,15 @@ def command(
 
 def _record(
     motion: "Trajectory", log: "Recording | None", title: str, path: Path, exaggerate: float, speed: float
-) -> None:
-    from boom_mj.cameras.cinema import record_film, reel_of
+) -> dict[str, Any]:
+    from boom_mj.cameras.cinema import RATE, record_film, reel_of
     from boom_mj.cli.progress import progress
 
     reel = reel_of(motion, log, title, exaggerate, speed)
     with progress() as report:
         record_film(reel, path, lambda done, total: report("pictures", done, total))
-    print(path)
+    told = {"film": str(path), "pictures": len(reel.time), "pictures_per_s": RATE}
+    return {**told, "speed": speed, "exaggerate": exaggerate}
 
 
 def _in_window(motion: "Trajectory", speed: float, port: int, laps: int) -> None:
