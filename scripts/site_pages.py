@@ -132,7 +132,7 @@ def public_paths() -> dict[str, list[str]]:
 def _home_of(module: ModuleType, name: str) -> str:
     """The module that defines a name, and the name; an `import ... as` is followed through the source."""
     while True:
-        for node in ast.parse(inspect.getsource(module)).body:
+        for node in ast.walk(ast.parse(inspect.getsource(module))):  # names may be for type checkers only
             if isinstance(node, ast.ImportFrom) and name in {alias.asname or alias.name for alias in node.names}:
                 module = import_module(str(node.module))
                 break

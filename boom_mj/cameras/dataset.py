@@ -5,7 +5,7 @@ images/          CAMERA/000000.png
 calibration/     CAMERA/00.png, the chequerboard
 plates/          what every plate looks like, upright
 labels/          CAMERA/000000.json, what is true of a frame; a frame that has its label is done
-depth/, masks/   CAMERA/000000.png, on request: millimetres in 16 bits (0: farther than 65.5 m), numbers of bodies
+depth/, masks/   CAMERA/000000.png, on request: units of DEPTH_UNIT in 16 bits (0: sky), numbers of bodies
 """
 
 import json
@@ -23,6 +23,7 @@ from boom_mj.machine.fields import Frozen, Point3, Positive
 from boom_mj.machine.rig import Chequerboard
 
 DESCRIPTION = "dataset.json"
+DEPTH_UNIT = 0.004  # m per grey level of depth pictures: 262 m in 16 bits, and the ground ends before
 MOST_PIXELS = 2**28  # as many as the largest camera has
 Pixels = Annotated[int, Field(ge=1, le=2**15)]
 

@@ -68,7 +68,7 @@ def _body(studio: Studio, view: View, name: str) -> dict[str, Any]:
     return {
         "position": _rounded(body.xpos, DIGITS),
         "quaternion": _rounded(body.xquat, 9),
-        "outline": _rounded(_hull(pixels[np.isfinite(pixels).all(axis=1)], view), 2),
+        "outline": _rounded(outline(pixels, view), 2),
     }
 
 
@@ -89,8 +89,9 @@ def _mesh_geom(model: mujoco.MjModel, body: str) -> Any:
     return next(g for g in boxes if g.type[0] == mujoco.mjtGeom.mjGEOM_MESH and not g.name)
 
 
-def _hull(pixels: Array, view: View) -> Array:
-    """Convex outline of pixels within the picture, (m, 2); empty where there is none."""
+def outline(pixels: Array, view: View) -> Array:
+    """Convex outline of pixels, (k, 2), NaN left out, within the picture, (m, 2); empty where there is none."""
+    pixels = pixels[np.isfinite(pixels).all(axis=1)]
     if len(pixels) < 3:
         return np.zeros((0, 2))
     lens = view.intrinsics

@@ -46,6 +46,26 @@ class Lens:
         where = np.nan_to_num(self._wanted + shift, nan=-1e4).astype(np.float32)
         return where[..., 0], where[..., 1]
 
+    @cached_property
+    def _back(self) -> tuple[Array, Array]:
+        """Pixel of the image that every pixel of its pinhole camera shows; outside where the lens saw nothing."""
+        own = self.intrinsics
+        grid = np.stack(np.meshgrid(np.arange(own.width), np.arange(own.height)), axis=-1)
+        rays = np.concatenate([own.pinhole.rays(grid), np.ones((*grid.shape[:2], 1))], axis=-1)
+        where = np.nan_to_num(own.pixels(rays), nan=-1e4).astype(np.float32)
+        return where[..., 0], where[..., 1]
+
+    def straightened(self, picture: Array, exact: bool = False) -> Array:
+        """A picture of the lens as its pinhole camera would have taken it; black where the lens saw nothing.
+
+        Args:
+            exact: for values that must not be mixed.
+        """
+        if self.intrinsics == self.intrinsics.pinhole:
+            return picture
+        how = cv2.INTER_NEAREST if exact else cv2.INTER_CUBIC
+        return cv2.remap(picture, *self._back, how, borderMode=cv2.BORDER_CONSTANT)
+
     def picture(self, pinhole: Array) -> Array:
         """Colours as the lens shows them, (source h, source w, 3) -> (h, w, 3)."""
         return self._remap(pinhole, cv2.INTER_CUBIC)

@@ -7,6 +7,7 @@ import numpy as np
 
 from boom_mj.cameras.chain import Tracking
 from boom_mj.cameras.dataset import Dataset, read_picture
+from boom_mj.cameras.video import write_video
 from boom_mj.errors import RenderError
 from boom_mj.files import write_bytes
 
@@ -57,32 +58,7 @@ def video(folder: Path, tracking: Tracking, camera: str, path: Path, width: int 
     """All frames of a camera with their overlay, as WebM."""
     stamps = tracking.tracks[camera].stamp
     rate = (len(stamps) - 1) / (stamps[-1] - stamps[0]) * speed if len(stamps) > 1 else 1.0
-    part, writer = path.with_name(f".{path.stem}.part{path.suffix}"), None
-    try:
-        for stamp in stamps:
-            picture = annotated(folder, tracking, camera, stamp, width)
-            picture = picture[: picture.shape[0] // 2 * 2, : picture.shape[1] // 2 * 2]
-            if writer is None:
-                size = (picture.shape[1], picture.shape[0])
-                writer = cv2.VideoWriter(str(part), cv2.CAP_FFMPEG, cv2.VideoWriter.fourcc(*"VP80"), rate, size)
-                if not writer.isOpened():
-                    raise RenderError(f"{path}: this build of OpenCV cannot write WebM (VP8) there")
-            writer.write(picture)
-        if writer is not None:
-            writer.release()
-            _refuse_torn(part, len(stamps), path)
-            part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
-
-
-def _refuse_torn(part: Path, frames: int, path: Path) -> None:
-    """OpenCV does not say when the disk is full: the file does."""
-    video, found = cv2.VideoCapture(str(part)), 0
-    while video.grab():
-        found += 1
-    if found < frames:
-        raise RenderError(f"{path} cannot be written: {found} of {frames} frames arrived; is the disk full?")
+    write_video(path, (annotated(folder, tracking, camera, stamp, width) for stamp in stamps), rate)
 
 
 def annotated(folder: Path, tracking: Tracking, camera: str, time: float, width: int | None = None) -> Array:

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from boom_mj.cameras.chequerboard import shoot_boards
-from boom_mj.cameras.dataset import write_json
+from boom_mj.cameras.dataset import DEPTH_UNIT, write_json
 from boom_mj.cameras.exposure import expose, instants, noisy
 from boom_mj.cameras.film import Film
 from boom_mj.cameras.intrinsics import Intrinsics
@@ -24,7 +24,7 @@ Array = np.ndarray
 Report = Callable[[int, int], None]
 """Told how many of how many frames are done."""
 BATCH = 4  # frames that a worker takes at once
-MILLIMETRES, FARTHEST = 1000.0, 65535
+FARTHEST = 65535  # grey level of a 16 bit picture
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ def shoot(studio: Studio, frame: Frame, look: Look, folder: Path) -> None:
     write_bytes(folder / frame.place("images", look.suffix), look.encode(picture))
     studio.pose(frame.time)
     if look.depth:
-        depth = np.round(studio.depth(frame.camera) * MILLIMETRES)
+        depth = np.round(studio.depth(frame.camera) / DEPTH_UNIT)
         write_bytes(folder / frame.place("depth", ".png"), _png(np.where(depth > FARTHEST, 0, depth).astype(np.uint16)))
     if look.masks:
         write_bytes(folder / frame.place("masks", ".png"), _png(studio.bodies(frame.camera)))

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+import mujoco
 import numpy as np
 
 from boom_mj.cameras.intrinsics import Intrinsics
@@ -29,6 +30,13 @@ class View:
     def project(self, points: Array) -> Array:
         """Pixels of world points, (..., 3) m -> (..., 2); NaN behind the camera (32)."""
         return self.intrinsics.pixels(self.in_camera(points))
+
+    @property
+    def pose(self) -> tuple[Array, Array]:
+        """Place of the camera frame - right, down, forward - in the world, (3,) m, and quaternion, (4,), w x y z."""
+        quaternion = np.empty(4)
+        mujoco.mju_mat2Quat(quaternion, self.rotation.T.ravel())
+        return self.position, quaternion
 
     @property
     def translation(self) -> Array:

@@ -18,6 +18,7 @@ FACES = (  # of OpenGL's cube maps, y up: axis, right and down in each face's pi
     ((0, 0, 1), (1, 0, 0), (0, -1, 0)), ((0, 0, -1), (-1, 0, 0), (0, -1, 0)),
 )  # fmt: skip
 HOUSES, TREES = 20, 46
+GROUND_REACH = 3.6  # reaches from the middle to an edge of the ground, behind the houses
 WALLS = ((0.78, 0.72, 0.63), (0.70, 0.58, 0.50), (0.74, 0.75, 0.76), (0.62, 0.66, 0.70))
 
 
@@ -29,7 +30,7 @@ def add_yard(spec: mujoco.MjSpec, reach: float) -> None:
     ground.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = GROUND
     ground.texrepeat = [1 / GROUND_TILE, 1 / GROUND_TILE]
     plane = next(geom for geom in spec.worldbody.geoms if geom.type == mujoco.mjtGeom.mjGEOM_PLANE)
-    plane.size = [0, 0, 1]
+    plane.size = [GROUND_REACH * reach, GROUND_REACH * reach, 1]
     spec.delete(spec.texture("sky"))
     add_cube(spec, "sky", sky(rng), mujoco.mjtTexture.mjTEXTURE_SKYBOX)
     for k, wall in enumerate(WALLS):

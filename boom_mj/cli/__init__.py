@@ -1,38 +1,63 @@
-"""The command line: one file per command. Exit status 0 done, 1 the work failed, 2 the call was wrong."""
+"""The command line: one file per command. Exit status 0 done, 1 the work failed, 2 the call was wrong.
 
+What commands work with is imported inside them, so that help, version and completion answer at once.
+"""
+
+import contextlib
 import io
 import os
 import signal
 import sys
 import warnings
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
+from typing import Annotated, Any
 
 import typer
 
-from boom_mj.cli import calibrate, gap, generate, logs, render, replay, simulate, track, validate, view
+from boom_mj.cli import calibrate, gap, generate, logs, render, replay, schema, simulate, track, validate, view
 from boom_mj.cli.arguments import printable
 from boom_mj.cli.many_logs import ManyLogs
-from boom_mj.engine import keep_no_log
 from boom_mj.errors import BoomError, InputError, LogWarning
+
+QUIET = "--quiet"
+AT_ONCE = {"--help", "--version", "--show-completion", "--install-completion"}  # need no MuJoCo
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        print(f"boom_mj {version('boom_mj')}, MuJoCo {version('mujoco')}, Python {sys.version.split()[0]}")
+        raise typer.Exit
+
 
 app = typer.Typer(
     help="""Flexible large manipulators in MuJoCo: generate models, simulate, replay logs, film, diagnose the gap.
 
+    Results go to stdout, everything else to stderr. Exit status: 0 done, 1 the work failed, 2 the call was wrong.
+
     Example: python -m boom_mj simulate boom36 slew_t -o slew.mcap
     """,
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (generate, simulate, replay, validate, view, render, track):
+for command in (generate, simulate, replay, validate, view, render, track, schema):
     app.command(command.__name__.rpartition(".")[2])(command.command)
 app.command("calibrate", cls=ManyLogs)(calibrate.command)
 app.add_typer(logs.app, name="logs")
 app.add_typer(gap.app, name="gap")
 
 
+@app.callback()
+def _options(
+    version: Annotated[bool, typer.Option("--version", is_eager=True, callback=_version, help="Say which.")] = False,
+    quiet: Annotated[bool, typer.Option(QUIET, help="Only results and errors; after the command as well.")] = False,
+) -> None:
+    pass
+
+
 MOST_LINES, MOST_CHARACTERS = 20, 1000  # of a message, and of each of its lines
+WRONG_CALL = 2
 INTERRUPTED = 130  # what typer makes of Ctrl-C
 
 
@@ -51,14 +76,20 @@ def run(arguments: Sequence[str] | None = None) -> int:
     Returns:
         Exit status.
     """
-    keep_no_log()
+    words = sys.argv[1:] if arguments is None else [*arguments]
+    quiet = QUIET in words
+    if words and not AT_ONCE & {*words}:
+        from boom_mj.engine import keep_no_log
+
+        keep_no_log()
     warnings.simplefilter("always", LogWarning)
     warnings.showwarning = _show_warning
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # names of files may be no text
     try:
         try:
-            app(arguments)
+            with _hushed() if quiet else contextlib.nullcontext():
+                app([QUIET, *(word for word in words if word != QUIET)] if quiet else words)
         except SystemExit as end:
             sys.stdout.flush()
             if end.code != INTERRUPTED:
@@ -75,6 +106,19 @@ def run(arguments: Sequence[str] | None = None) -> int:
             sys.stdout = open(os.devnull, "w")  # noqa: SIM115
         return _failed(f"{error.filename or 'stdout'} cannot be used: {error.strerror or error}")
     return 0
+
+
+@contextlib.contextmanager
+def _hushed() -> Iterator[None]:
+    """Keep what is said on stderr to oneself, unless the call was wrong."""
+    said = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(said):
+            yield
+    except SystemExit as end:
+        if end.code == WRONG_CALL:
+            print(said.getvalue(), end="", file=sys.stderr)
+        raise
 
 
 def _failed(text: str, status: int = 1) -> int:

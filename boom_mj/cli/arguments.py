@@ -5,18 +5,27 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from boom_mj.effects import load_effects
 from boom_mj.errors import InputError, MachineFileError, SimulationError
 from boom_mj.files import read_text, sweep, write_text
-from boom_mj.machine import Beam, Machine, load_machine, load_model, machine_file
+
+if TYPE_CHECKING:
+    from boom_mj.machine import Beam, Machine
+
+EXPERIMENTS = (  # names in `simulation.CATALOGUE`, which takes longer to import than help may take
+    "release_stretched_vertical", "release_stretched_horizontal", "release_bow_vertical", "release_bow_horizontal",
+    "release_stretched_vertical_half", "slew_t", "sweep", "fold_in", "fold_in_300", "mixed", "chirp_joint2",
+    "chirp_joint4", "slew_tour", "hold",
+)  # fmt: skip
 
 MachineFile = Annotated[str, typer.Argument(metavar="MACHINE.toml", help="Machine file, or a name such as boom36.")]
 Hinges = Annotated[int, typer.Option(min=1, max=32, help="Equivalent hinges per elastic coordinate of each link.")]
 Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Processes of this machine that share the work.")]
+AsJson = Annotated[bool, typer.Option("--json", help="One JSON document on stdout; `schema` says what it holds.")]
 Cluster = Annotated[
     str | None,
     typer.Option(metavar="ADDRESS", help="Dask scheduler whose workers share it instead; they see the same folders."),
@@ -41,18 +50,24 @@ EffectFiles = Annotated[
 ]
 
 
-def find_machine(name: str) -> Machine:
+def find_machine(name: str) -> "Machine":
     """A machine from a file, or from the models that come with the package by its name."""
+    from boom_mj.machine import load_machine
+
     return load_machine(name)
 
 
-def find_model(name: str) -> Machine | Beam:
+def find_model(name: str) -> "Machine | Beam":
     """A machine of any kind, found like `find_machine`."""
+    from boom_mj.machine import load_model
+
     return load_model(name)
 
 
 def machine_text(name: str) -> str:
     """The text of a machine file, found like `load_machine`."""
+    from boom_mj.machine import machine_file
+
     return read_text(machine_file(name), MachineFileError)
 
 

@@ -9,7 +9,16 @@ from typing import Annotated
 
 import typer
 
-from boom_mj.cli.arguments import Cluster, EffectFiles, Jobs, find_machine, machine_text, output_folder, output_path
+from boom_mj.cli.arguments import (
+    AsJson,
+    Cluster,
+    EffectFiles,
+    Jobs,
+    find_machine,
+    machine_text,
+    output_folder,
+    output_path,
+)
 from boom_mj.errors import BoomError, InputError, MachineFileError
 from boom_mj.files import read_bytes, read_text, write_text
 
@@ -40,6 +49,7 @@ def make(
     mix: Annotated[str, typer.Option(metavar="CLASS=SHARE,...", help="Shares of the classes of cases.")] = "",
     jobs: Jobs = 1,
     cluster: Cluster = None,
+    as_json: AsJson = False,
 ) -> None:
     """Simulate cases with hidden effects: logs in DIR, answers in a sealed file elsewhere, its hash in DIR.
 
@@ -60,7 +70,9 @@ def make(
     with progress() as report:
         for done in make_cases(cases, secret, machine_text(machine), suite, shares, output, seal, jobs, cluster):
             report("cases", done, cases)
-    print(f"{cases} cases in {output}, sealed in {seal}: {(output / 'seal.sha256').read_text().strip()}")
+    published = (output / "seal.sha256").read_text().strip()
+    told = {"cases": cases, "folder": str(output), "seal": str(seal), "seal_sha256": published}
+    print(json.dumps(told, indent=1) if as_json else f"{cases} cases in {output}, sealed in {seal}: {published}")
 
 
 @app.command()
@@ -72,6 +84,7 @@ def run(
     ] = None,
     cluster: Cluster = None,
     own_effects: EffectFiles = None,
+    as_json: AsJson = False,
 ) -> None:
     """Diagnose every case that has no answer yet, each by a process that can open nothing but its case.
 
@@ -96,7 +109,8 @@ def run(
         raise BoomError(
             f"{len(failed)} of {count} cases have no answer ({', '.join(failed)}); run again to try them again"
         )
-    print(f"{count} answers in {answers}")
+    told = {"cases": count, "answers": str(answers)}
+    print(json.dumps(told, indent=1) if as_json else f"{count} answers in {answers}")
 
 
 @app.command()

@@ -12,7 +12,6 @@ import typer
 from boom_mj.cli.arguments import MachineFile, find_machine, machine_text, output_path
 from boom_mj.errors import InputError
 from boom_mj.files import write_text
-from boom_mj.logs import read_log
 
 if TYPE_CHECKING:
     from boom_mj.calibration import Plan
@@ -53,6 +52,7 @@ def command(
         validate,
         validation_document,
     )
+    from boom_mj.logs import read_log
 
     for path, suffix in (
         (html, ".html"),

@@ -2,6 +2,7 @@
 
 import inspect
 import json
+import math
 import sys
 import time
 from pathlib import Path
@@ -10,14 +11,10 @@ from typing import Annotated, Any
 import typer
 
 from boom_mj.cli import blind, watch
-from boom_mj.cli.arguments import EffectFiles, find_machine, machine_text, output_folder, output_path
+from boom_mj.cli.arguments import AsJson, EffectFiles, find_machine, machine_text, output_folder, output_path
 from boom_mj.cli.many_logs import ManyLogs
-from boom_mj.effects import BOOM_SITES, effect_library
 from boom_mj.errors import InputError
 from boom_mj.files import locked, write_text
-from boom_mj.logs import read_log, write_mcap
-from boom_mj.logs.columns import write_columns
-from boom_mj.recording import Recording, named_signal
 
 app = typer.Typer(help="Diagnose the gap between simulator and machine.", no_args_is_help=True)
 app.add_typer(blind.app, name="blind")
@@ -25,11 +22,16 @@ app.command("watch", cls=ManyLogs)(watch.command)
 
 
 @app.command()
-def effects(own_effects: EffectFiles = None) -> None:
+def effects(own_effects: EffectFiles = None, as_json: AsJson = False) -> None:
     """List the effect library: physics, parameters, what each is confused with, which experiment tells.
 
     Example: python -m boom_mj gap effects
     """
+    from boom_mj.effects import BOOM_SITES, effect_library
+
+    if as_json:
+        print(json.dumps([_described(kind) for kind in effect_library().values()], indent=1))
+        return
     for kind in effect_library().values():
         sites = kind.allowed(BOOM_SITES)
         choices = {key: dict.fromkeys(site.location[key] for site in sites if key in site.location) for key in kind.at}
@@ -45,18 +47,51 @@ def effects(own_effects: EffectFiles = None) -> None:
         print(f"    confused with: {alike}; told by: {kind.separating_experiment}\n")
 
 
+def _described(kind: Any) -> dict[str, Any]:
+    """An effect as plain data; what depends on the site of an MJCF machine is left out."""
+    from boom_mj.effects import BOOM_SITES
+
+    sites = kind.allowed(BOOM_SITES)
+    declared = kind.parameters(sites[0]) if sites else {}
+    return {
+        "id": kind.id,
+        "physics": inspect.getdoc(kind) or "",
+        "locations": [site.location for site in sites],
+        "at": list(kind.at),
+        "needs": sorted(kind.needs),
+        "parameters": {name: _bounds(parameter) for name, parameter in declared.items()},
+        "confused_with": list(kind.confused_with),
+        "separating_experiment": kind.separating_experiment,
+    }
+
+
+def _bounds(parameter: Any) -> dict[str, Any]:
+    ends = {"neutral": parameter.neutral, "low": parameter.low, "high": parameter.high}
+    return {"unit": parameter.unit, **{name: value if math.isfinite(value) else None for name, value in ends.items()}}
+
+
 @app.command()
-def criteria() -> None:
+def criteria(as_json: AsJson = False) -> None:
     """List every number that decides about an answer, with its unit and its reason.
 
     Example: python -m boom_mj gap criteria
     """
     from boom_mj.diagnosis.criteria import described
 
+    if as_json:
+        rows = [{"family": family, "name": f.name, **f.metadata, "value": values} for family, f, values in described()]
+        print(
+            json.dumps([{**row, "value": {k: _finite(v) for k, v in row["value"].items()}} for row in rows], indent=1)
+        )
+        return
     for family, field, values in described():
         one = dict.fromkeys(f"{value:g}" for value in values.values())
         shown = next(iter(one)) if len(one) == 1 else ", ".join(f"{kind} {v:g}" for kind, v in values.items())
         print(f"{family:9} {field.name:18} {shown} {field.metadata['unit']}: {field.metadata['reason']}")
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
 
 
 @app.command(cls=ManyLogs)
@@ -111,6 +146,8 @@ def diagnose(
     from boom_mj.diagnosis import diagnose as find
     from boom_mj.diagnosis.clock import Clock
     from boom_mj.diagnosis.healthy import as_built
+    from boom_mj.effects import effect_library
+    from boom_mj.logs import read_log
     from boom_mj.systems.predictor import Predictor, dataset_of
     from boom_mj.systems.system import Corrects, System
 
@@ -208,6 +245,10 @@ def _named(effect: dict[str, Any]) -> str:
 
 def _write_predictions(found: Any, folder: Path, paths: list[Path]) -> None:
     from boom_mj.diagnosis import simulated_recordings
+    from boom_mj.logs import write_mcap
+    from boom_mj.logs.columns import write_columns
+    from boom_mj.recording import Recording, named_signal
+    from boom_mj.replay import residual
     from boom_mj.systems.mjcf import tables
 
     folder.mkdir(parents=True, exist_ok=True)
@@ -221,7 +262,8 @@ def _write_predictions(found: Any, folder: Path, paths: list[Path]) -> None:
         for log, path, one in zip(data.recordings, paths, said):
             signals = {name: named_signal(name, log[name].time, values) for name, values in one.items()}
             recording = Recording(log.name, log.machine, f"{kind} simulation: {log.description}", signals)
-            write_mcap(recording, folder / f"{stems[path]}.{kind}.mcap")
+            beside = {"/measured": log, "/residual": residual(log, recording)}
+            write_mcap(recording, folder / f"{stems[path]}.{kind}.mcap", beside=beside)
 
 
 def _stems(paths: list[Path]) -> dict[Path, str]:

@@ -4,15 +4,15 @@ import dataclasses
 import json
 import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from boom_mj.cli.arguments import printable
+from boom_mj.cli.arguments import AsJson, printable
 from boom_mj.errors import InputError
-from boom_mj.logs.checks import SLOW, slow_rate
-from boom_mj.logs.inspection import LogSummary, Times, Topic, inspect_log
-from boom_mj.logs.proposal import propose_map
+
+if TYPE_CHECKING:
+    from boom_mj.logs.inspection import LogSummary, Times, Topic
 
 app = typer.Typer(help="Logs from elsewhere: what is in them.", no_args_is_help=True)
 
@@ -25,13 +25,16 @@ def _logs() -> None:
 @app.command()
 def inspect(
     log: Annotated[Path, typer.Argument(metavar="LOG", help="MCAP log, ROS bag or CSV table.")],
-    as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")] = False,
+    as_json: AsJson = False,
     as_map: Annotated[bool, typer.Option("--map", help="Only the proposed topic map, as TOML.")] = False,
 ) -> None:
     """Say what is in a log - topics, types, rates, jitter, gaps, clock resets, names - and propose a topic map.
 
     Example: python -m boom_mj logs inspect log.bag --map
     """
+    from boom_mj.logs.inspection import inspect_log
+    from boom_mj.logs.proposal import propose_map
+
     if as_json and as_map:
         raise InputError("--json holds the map as well: say either --json or --map")
     if not log.exists():
@@ -47,7 +50,9 @@ def inspect(
         print("\n".join((*map(printable, _lines(summary)), "", propose_map(summary))), end="")
 
 
-def _document(summary: LogSummary) -> dict[str, Any]:
+def _document(summary: "LogSummary") -> dict[str, Any]:
+    from boom_mj.logs.proposal import propose_map
+
     topics = []
     for topic in summary.topics:
         topics.append(
@@ -79,7 +84,7 @@ def _document(summary: LogSummary) -> dict[str, Any]:
     }
 
 
-def _plain(times: Times | None) -> dict[str, Any] | None:
+def _plain(times: "Times | None") -> dict[str, Any] | None:
     return None if times is None else dataclasses.asdict(times)
 
 
@@ -88,7 +93,7 @@ def _range(least: float, most: float, missing: int) -> dict[str, Any]:
     return {"min": least if known else None, "max": most if known else None, "nan": missing}
 
 
-def _lines(summary: LogSummary) -> list[str]:
+def _lines(summary: "LogSummary") -> list[str]:
     lines = [f"{summary.path}: {summary.format}" + "".join(f", {k} {v}" for k, v in summary.labels.items() if v)]
     width = max((len(topic.channel.topic) for topic in summary.topics), default=0)
     for topic in summary.topics:
@@ -111,14 +116,16 @@ def _lines(summary: LogSummary) -> list[str]:
     return lines
 
 
-def _span(times: Times) -> str:
+def _span(times: "Times") -> str:
     """From when to when a column of times goes, in its own unit."""
     step = 1 / times.rate_hz if times.rate_hz else 0.0
     return f"{times.start:.10g} to {times.stop:.10g}, usual step {step:.6g}"
 
 
-def _findings(topic: Topic) -> list[str]:
+def _findings(topic: "Topic") -> list[str]:
     """What is wrong with a topic, in sentences."""
+    from boom_mj.logs.checks import SLOW, slow_rate
+
     found = [topic.problem] if topic.problem else []
     bases = [("header", topic.header), ("log", topic.log), *topic.own.items()]
     for base, times in bases:

@@ -1,19 +1,27 @@
 """render: an experiment or a recorded motion as a labelled camera data set."""
 
+import json
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from boom_mj.cli.arguments import Cluster, Hinges, find_machine, last_states_beside, output_folder, output_path
-from boom_mj.cli.progress import progress
+from boom_mj.cli.arguments import (
+    EXPERIMENTS,
+    AsJson,
+    Cluster,
+    Hinges,
+    find_machine,
+    last_states_beside,
+    output_folder,
+    output_path,
+)
 from boom_mj.errors import InputError
-from boom_mj.logs import read_log, write_mcap
-from boom_mj.recording import Recording
-from boom_mj.replay import replay
-from boom_mj.sensors import measure
-from boom_mj.simulation import CATALOGUE, Trajectory, load_experiment, make_plant, run_experiment
+
+if TYPE_CHECKING:
+    from boom_mj.recording import Recording
+    from boom_mj.simulation import Trajectory
 
 LAYOUTS = ("coco", "nerfstudio", "bop", "mcap")
 KINDS = ("light", "texture", "pose")
@@ -23,7 +31,7 @@ def command(
     what: Annotated[str, typer.Argument(metavar="MACHINE.toml|LOG", help="A machine, or a log to replay.")],
     output: Annotated[Path, typer.Option("-o", metavar="DIR", help="Folder of the data set: new, empty or begun.")],
     experiment: Annotated[
-        str, typer.Option(help=f"What a machine does: a .toml of your own, or one of: {', '.join(CATALOGUE)}.")
+        str, typer.Option(help=f"What a machine does: a .toml of your own, or one of: {', '.join(EXPERIMENTS)}.")
     ] = "release_stretched_vertical",
     machine: Annotated[str | None, typer.Option(help="Machine of a log; the one that it names if left out.")] = None,
     camera: Annotated[
@@ -36,7 +44,7 @@ def command(
     every: Annotated[int, typer.Option(min=1, help="Take each Nth frame.")] = 1,
     scale: Annotated[float, typer.Option(min=0.02, max=4, help="Factor on width and height of the pictures.")] = 1.0,
     jpeg: Annotated[int, typer.Option(min=0, max=100, help="JPEG of this quality; 0: PNG.")] = 0,
-    depth: Annotated[bool, typer.Option("--depth", help="Depth of every pixel, too: 16 bit PNG, mm.")] = False,
+    depth: Annotated[bool, typer.Option("--depth", help="Depth, too: 16 bit PNG in 4 mm; 0 is sky.")] = False,
     masks: Annotated[bool, typer.Option("--masks", help="Which body every pixel shows, too: PNG.")] = False,
     distortion: Annotated[bool, typer.Option(help="Lenses of the machine file, or ideal ones.")] = True,
     noise: Annotated[bool, typer.Option("--noise", help="With the pixel noise of the machine file.")] = False,
@@ -54,6 +62,7 @@ def command(
     hinges: Hinges = 1,
     jobs: Annotated[int, typer.Option("--jobs", "--workers", min=1, max=64, help="Processes that render.")] = 2,
     cluster: Cluster = None,
+    as_json: AsJson = False,
 ) -> None:
     """Render a motion in front of the machine's cameras, with labels; killed, the same call finishes the rest.
 
@@ -64,6 +73,7 @@ def command(
     from boom_mj.cameras.render import render_dataset
     from boom_mj.cameras.rig import rig_of
     from boom_mj.cameras.shooting import Look, frames_of
+    from boom_mj.cli.progress import progress
 
     if sheet is not None:
         output_path(sheet, ".png")
@@ -86,15 +96,23 @@ def command(
     with progress() as report:
         render_dataset(film, frames, look, dataset, output, wanted, report, jobs, cluster)
     if "mcap" in wanted:
+        from boom_mj.logs import write_mcap
         from boom_mj.logs.pictures import picture_messages
+        from boom_mj.sensors import boom_scene
 
-        write_mcap(recording, output / "dataset.mcap", also=picture_messages(output, dataset))
+        scene = boom_scene(trajectory, fixed={camera.name: camera.view.pose for camera in film.rig})
+        write_mcap(recording, output / "dataset.mcap", scene=scene, also=picture_messages(output, dataset))
     if sheet is not None:
         from boom_mj.cameras.pictures import contact_sheet
 
         contact_sheet(output, dataset, sheet)
-    print(f"data set     {output}: {len(frames)} frames of {', '.join(c.name for c in film.rig)}")
-    print(f"layouts      {', '.join(sorted(wanted))}")
+    cameras = [camera.name for camera in film.rig]
+    if as_json:
+        told = {"folder": str(output), "frames": len(frames), "cameras": cameras, "layouts": sorted(wanted)}
+        print(json.dumps(told, indent=1))
+    else:
+        print(f"data set     {output}: {len(frames)} frames of {', '.join(cameras)}")
+        print(f"layouts      {', '.join(sorted(wanted))}")
     if sheet is not None:
         print(f"wrote {sheet}", file=sys.stderr)
 
@@ -106,8 +124,13 @@ def _choice(text: str, known: tuple[str, ...], option: str) -> frozenset[str]:
     return chosen
 
 
-def _motion(what: str, experiment: str, machine: str | None, hinges: int) -> tuple[Trajectory, Recording]:
+def _motion(what: str, experiment: str, machine: str | None, hinges: int) -> "tuple[Trajectory, Recording]":
     """A motion from time 0 on, and its recording without noise."""
+    from boom_mj.logs import read_log
+    from boom_mj.replay import replay
+    from boom_mj.sensors import measure
+    from boom_mj.simulation import load_experiment, make_plant, run_experiment
+
     path = Path(what)
     if path.suffix in ("", ".toml") and not path.is_dir():
         plan = load_experiment(experiment)

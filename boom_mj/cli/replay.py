@@ -3,18 +3,18 @@
 import json
 import math
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from boom_mj.cli.arguments import EffectFiles, Hinges, find_machine, last_states_beside, output_path
+from boom_mj.cli.arguments import AsJson, EffectFiles, Hinges, find_machine, last_states_beside, output_path
 from boom_mj.errors import InputError
-from boom_mj.logs import load_topic_map, read_log, write_mcap
-from boom_mj.replay import Replay, replay
-from boom_mj.replay.quality import Quality, assess
-from boom_mj.sensors import boom_scene
-from boom_mj.simulation import make_plant
+
+if TYPE_CHECKING:
+    from boom_mj.replay import Replay
+    from boom_mj.replay.quality import Quality
 
 
 def command(
@@ -28,8 +28,11 @@ def command(
         Path | None, typer.Option("-o", metavar="OUT.mcap", help="Simulated twin to write, beside what was measured.")
     ] = None,
     picture: Annotated[Path | None, typer.Option(metavar="PNG", help="Picture to draw: log and twin overlaid.")] = None,
+    with_residual: Annotated[
+        bool, typer.Option("--residual", help="With measured - simulated, beside both, in OUT.mcap.")
+    ] = False,
     hinges: Hinges = 1,
-    as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")] = False,
+    as_json: AsJson = False,
     own_effects: EffectFiles = None,
 ) -> None:
     """Drive the model with a log's joint angles and known load, and compare every channel group with its noise.
@@ -39,6 +42,12 @@ def command(
 
     Example: python -m boom_mj replay log.mcap --hinges 4 -o twin.mcap --picture twin.png
     """
+    from boom_mj.logs import load_topic_map, read_log, write_mcap
+    from boom_mj.replay import replay, residual
+    from boom_mj.replay.quality import assess
+    from boom_mj.sensors import boom_scene
+    from boom_mj.simulation import make_plant
+
     for path, suffix in ((output, ".mcap"), (picture, ".png")):
         if path is not None:
             output_path(path, suffix)
@@ -54,20 +63,27 @@ def command(
         print(f"warning: {remark}", file=sys.stderr)
     with last_states_beside(output):
         result = replay(plant, recording)
-    if output is not None:
-        scene = boom_scene(result.trajectory, recording["joint/position"].time[0])
-        write_mcap(result.twin, output, beside={"/measured": result.log}, scene=scene)
-    if picture is not None:
-        from boom_mj.report import draw_overlay
+    with ThreadPoolExecutor(1) as worker:  # half of writing is compressing, which lets the picture be drawn meanwhile
+        writing = None
+        if output is not None:
+            scene = boom_scene(result.trajectory, recording["joint/position"].time[0])
+            beside = {"/measured": result.log}
+            if with_residual:
+                beside["/residual"] = residual(result.log, result.twin)
+            writing = worker.submit(write_mcap, result.twin, output, beside=beside, scene=scene)
+        if picture is not None:
+            from boom_mj.report import draw_overlay
 
-        draw_overlay(result, picture)
+            draw_overlay(result, picture)
+        if writing is not None:
+            writing.result()
     print(json.dumps(_document(result, quality), indent=1) if as_json else _table(result))
     for path in (output, picture):
         if path is not None:
             print(f"wrote {path}", file=sys.stderr)
 
 
-def _document(result: Replay, quality: Quality) -> dict:
+def _document(result: "Replay", quality: "Quality") -> dict:
     groups = {g.name: {"rms": g.rms, "noise": g.noise, "ratio": g.ratio, "unit": g.unit} for g in result.groups}
     steps = len(result.trajectory.time)
     simulated = float(result.trajectory.time[-1])
@@ -76,7 +92,7 @@ def _document(result: Replay, quality: Quality) -> dict:
     return {**document, "quality": _quality(quality)}
 
 
-def _quality(quality: Quality) -> dict:
+def _quality(quality: "Quality") -> dict:
     """Rates and gaps by signal, noise and excitation by channel; noise is null where a channel has no samples."""
     signals = {
         s.name: {
@@ -99,7 +115,7 @@ def _quality(quality: Quality) -> dict:
     return {"modes_hz": quality.modes_hz, "remarks": quality.remarks(), "signals": signals}
 
 
-def _table(result: Replay) -> str:
+def _table(result: "Replay") -> str:
     """Sensors down, directions across; every entry in units of the sensor's noise."""
     lines = [f"{result.log.name}: rms(measured - simulated) / sensor noise"]
     rows: dict[str, dict[str, str]] = {}

@@ -1,13 +1,15 @@
 """simulate: an experiment as a recording, or over ranges of values as many."""
 
+import json
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
 import typer
 
 from boom_mj.cli.arguments import (
+    EXPERIMENTS,
+    AsJson,
     Cluster,
     EffectFiles,
     Hinges,
@@ -17,18 +19,16 @@ from boom_mj.cli.arguments import (
     last_states_beside,
     output_path,
 )
-from boom_mj.cli.progress import progress
-from boom_mj.effects import parse_effect
 from boom_mj.errors import BoomError, InputError
-from boom_mj.logs import write_mcap
-from boom_mj.sensors import boom_scene, record
-from boom_mj.simulation import CATALOGUE, Trajectory, load_experiment, make_plant, run_experiment
-from boom_mj.sweeping import Axis, Sweep, figures, read_rows, run_sweep
+
+if TYPE_CHECKING:
+    from boom_mj.simulation import Experiment, Trajectory
+    from boom_mj.sweeping import Sweep
 
 
 def command(
     machine: MachineFile,
-    experiment: Annotated[str, typer.Argument(help=f"A .toml of your own, or one of: {', '.join(CATALOGUE)}.")],
+    experiment: Annotated[str, typer.Argument(help=f"A .toml of your own, or one of: {', '.join(EXPERIMENTS)}.")],
     output: Annotated[
         Path | None, typer.Option("-o", metavar="OUT.mcap|DIR", help="Recording to write; of a sweep, its folder.")
     ] = None,
@@ -55,6 +55,7 @@ def command(
     ] = None,
     jobs: Jobs = 1,
     cluster: Cluster = None,
+    as_json: AsJson = False,
 ) -> None:
     """Simulate an experiment from rest and write what the machine's sensors record, as MCAP.
 
@@ -64,18 +65,28 @@ def command(
 
     Example: python -m boom_mj simulate boom36 release_bow_vertical -o log.mcap --effect tip_payload:mass=40
     """
+    from boom_mj.effects import parse_effect
+    from boom_mj.simulation import load_experiment, make_plant, run_experiment
+
     plan, effects = load_experiment(experiment), [parse_effect(text) for text in effect or []]
     if sweep:
         if output is None:
             raise InputError("a sweep needs a folder for its recordings: -o DIR")
+        from boom_mj.sweeping import Axis, Sweep
+
         axes = tuple(Axis.parse(text) for text in sweep)
         wanted = Sweep(find_machine(machine), plan, axes, hinges, tuple(effects), draws, noise, seed, scene)
-        _sweep(wanted, output, jobs, cluster)
+        _sweep(wanted, output, jobs, cluster, as_json)
         return
     if draws is not None or cluster is not None or jobs > 1:
         raise InputError("--draws, --jobs and --cluster are for a sweep: give a range with --sweep")
     if output is not None:
         output_path(output, ".mcap")
+    import numpy as np
+
+    from boom_mj.logs import write_mcap
+    from boom_mj.sensors import boom_scene, record
+
     plant = make_plant(find_machine(machine), hinges, effects)
     with last_states_beside(output):
         trajectory = run_experiment(plant, plan)
@@ -83,10 +94,16 @@ def command(
     recording = record(trajectory, plan, rng)
     if output is not None:
         write_mcap(recording, output, scene=boom_scene(trajectory) if scene else None)
-    _print_summary(trajectory, plan.duration, output)
+    if as_json:
+        print(json.dumps(_document(trajectory, plan, output), indent=1))
+    else:
+        _print_summary(trajectory, plan.duration, output)
 
 
-def _sweep(wanted: Sweep, folder: Path, jobs: int, cluster: str | None) -> None:
+def _sweep(wanted: "Sweep", folder: Path, jobs: int, cluster: str | None, as_json: bool) -> None:
+    from boom_mj.cli.progress import progress
+    from boom_mj.sweeping import read_rows, run_sweep
+
     with progress() as report:
         for done, error in run_sweep(wanted, folder, jobs, cluster):
             if error:
@@ -97,13 +114,46 @@ def _sweep(wanted: Sweep, folder: Path, jobs: int, cluster: str | None) -> None:
         if "error" in row:
             print(f"warning: point {row['point']:06d}: {row['error']}", file=sys.stderr)
     made = sum("error" not in row for row in rows)
-    print(f"points        {made} of {len(wanted)} recorded in {folder}")
-    print(f"table         {folder / 'table.csv'}")
+    if as_json:
+        told: dict[str, Any] = {
+            "machine": wanted.machine.name,
+            "experiment": wanted.experiment.name,
+            "folder": str(folder),
+        }
+        told |= {"table": str(folder / "table.csv"), "points": len(wanted), "recorded": made}
+        failed = {f"{row['point']:06d}": row["error"] for row in rows if "error" in row}
+        print(json.dumps({**told, "failed": failed}, indent=1))
+    else:
+        _print_made(made, wanted, folder)
     if made < len(wanted):
         raise BoomError(f"{len(wanted) - made} of {len(wanted)} points have no recording")
 
 
-def _print_summary(trajectory: Trajectory, duration: float, output: Path | None) -> None:
+def _print_made(made: int, wanted: "Sweep", folder: Path) -> None:
+    print(f"points        {made} of {len(wanted)} recorded in {folder}")
+    print(f"table         {folder / 'table.csv'}")
+
+
+def _document(trajectory: "Trajectory", plan: "Experiment", output: Path | None) -> dict[str, Any]:
+    from boom_mj.sweeping import figures
+
+    found = figures(trajectory)
+    return {
+        "machine": trajectory.plant.machine.name,
+        "experiment": plan.name,
+        "simulated_s": plan.duration,
+        "steps": len(trajectory.time),
+        "recording": None if output is None else str(output),
+        "tip_m": {part: [float(found[f"tip_{part}_{axis}"]) for axis in "xyz"] for part in ("start", "end", "range")},
+        "cylinders_n": {
+            f"cylinder{k}": {end: float(found[f"cylinder{k}_{end}"]) for end in ("min", "max")} for k in (2, 3)
+        },
+    }
+
+
+def _print_summary(trajectory: "Trajectory", duration: float, output: Path | None) -> None:
+    from boom_mj.sweeping import figures
+
     found = figures(trajectory)
     print(f"simulated     {duration:g} s, {len(trajectory.time)} steps")
     for label, name in (("tip at start", "tip_start"), ("tip at end  ", "tip_end"), ("tip moved   ", "tip_range")):

@@ -1,18 +1,19 @@
 """track: pictures of a boom to marker positions."""
 
 import json
+import math
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
 import typer
 
-from boom_mj.cli.arguments import output_path
+from boom_mj.cli.arguments import AsJson, output_path
 from boom_mj.errors import InputError
-from boom_mj.logs import write_mcap
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from boom_mj.cameras.chain import Tracking
 
 
@@ -30,7 +31,7 @@ def command(
     workers: Annotated[
         int, typer.Option("--jobs", "--workers", min=1, max=64, help="Processes, one per camera at most.")
     ] = 2,
-    as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Find the markers in pictures: calibrate lenses and places, follow the plates, give positions where cameras agree.
 
@@ -39,12 +40,15 @@ def command(
     for path, suffix in ((output, ".mcap"), (picture, ".png"), (film, ".webm")):
         if path is not None:
             output_path(path, suffix)
+    import numpy as np
+
     from boom_mj.cameras.chain import track
 
     tracking = track(folder, workers, lambda text: print(text, file=sys.stderr, flush=True))
     if camera is not None and camera not in tracking.tracks:
         raise InputError(f"there is no camera {camera!r}; {folder} has {', '.join(tracking.tracks)}")
     if output is not None:
+        from boom_mj.logs import write_mcap
         from boom_mj.logs.pictures import covariance_messages
 
         covariance = covariance_messages(tracking.time, tracking.positions.covariance)
@@ -63,8 +67,10 @@ def command(
             print(f"wrote {path}", file=sys.stderr)
 
 
-def _deviations(tracking: "Tracking") -> np.ndarray:
+def _deviations(tracking: "Tracking") -> "np.ndarray":
     """Mean standard deviation of every marker along x, y, z, (m, 3), m; NaN for one that was never seen."""
+    import numpy as np
+
     variance = np.einsum("nmaa->nma", tracking.positions.covariance)
     there = np.isfinite(variance)
     with np.errstate(invalid="ignore"):
@@ -73,7 +79,7 @@ def _deviations(tracking: "Tracking") -> np.ndarray:
 
 
 def _document(tracking: "Tracking") -> dict:
-    deviations = [[None if np.isnan(v) else float(v) for v in row] for row in _deviations(tracking)]
+    deviations = [[None if math.isnan(v) else float(v) for v in row] for row in _deviations(tracking)]
     cameras = {
         name: {
             "lens_rms_px": tracking.lenses[name].rms,

@@ -1,15 +1,16 @@
 """validate: MuJoCo's hinges against the Lagrangian reference."""
 
 import json
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
 import typer
-from rich.console import Console
-from rich.progress import Progress
 
-from boom_mj.cli.arguments import MachineFile, find_machine
-from boom_mj.simulation.agreement import FIGURES, Agreement, compare_models, random_poses
+from boom_mj.cli.arguments import AsJson, MachineFile, find_machine
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from boom_mj.simulation.agreement import Agreement
 
 
 def command(
@@ -19,12 +20,17 @@ def command(
         list[int] | None, typer.Option(help="Hinges per elastic coordinate; may be given several times.")
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the poses.")] = 0,
-    as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Compare MuJoCo's tip deflections and frequencies with the Lagrangian reference's over random poses, in %.
 
     Example: python -m boom_mj validate boom36 --poses 20 --hinges 1 --hinges 4
     """
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from boom_mj.simulation.agreement import compare_models, random_poses
+
     boom = find_machine(machine)
     places, found = random_poses(boom, poses, seed), []
     console = Console(stderr=True)
@@ -37,8 +43,12 @@ def command(
     print(json.dumps(_document(boom.name, found), indent=1) if as_json else "\n\n".join(map(_table, found)))
 
 
-def _document(name: str, found: list[Agreement]) -> dict:
-    def figures(differences: np.ndarray) -> dict:
+def _document(name: str, found: "list[Agreement]") -> dict:
+    import numpy as np
+
+    from boom_mj.simulation.agreement import FIGURES
+
+    def figures(differences: "np.ndarray") -> dict:
         size = np.abs(differences)
         return {
             figure: {"worst": float(size[:, k].max()), "median": float(np.median(size[:, k]))}
@@ -59,7 +69,11 @@ def _document(name: str, found: list[Agreement]) -> dict:
     }
 
 
-def _table(a: Agreement) -> str:
+def _table(a: "Agreement") -> str:
+    import numpy as np
+
+    from boom_mj.simulation.agreement import FIGURES
+
     lines = [
         f"hinges = {a.hinges}: MuJoCo against the reference over {len(a.poses)} poses, percent",
         f"{'':14}{'median':>9}{'95 %':>9}{'worst':>9}{'worst, finite rotations':>25}   worst pose, deg",

@@ -1,38 +1,53 @@
 """A moving scene as ROS 2 messages: /tf for the frames, /scene for the shapes that hang on them."""
 
-from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from boom_mj.logs.messages import make
+from boom_mj.logs.serialising import Pack, stamp_of
 from boom_mj.recording import Scene
 
+Array = np.ndarray
 TYPES = {"/tf": "tf2_msgs/msg/TFMessage", "/scene": "visualization_msgs/msg/MarkerArray"}
 TRIANGLE_LIST = 11  # visualization_msgs/msg/Marker
 
 
-def scene_messages(scene: Scene) -> Iterator[tuple[int, str, Any]]:
-    """Stamp in ns, topic and message: the shapes once, at the start, and the frames at all times."""
-    stamps = np.round(scene.time * 1e9).astype(np.int64)
-    positions, quaternions = scene.position.tolist(), np.roll(scene.quaternion, -1, axis=-1).tolist()
-    yield int(stamps[0]), "/scene", _shapes(scene, int(stamps[0]))
-    for i, stamp in enumerate(stamps):
-        head = _header(int(stamp), "world")
-        moved = [
-            make(
-                "geometry_msgs/msg/TransformStamped",
-                header=head,
-                child_frame_id=frame,
-                transform=make(
-                    "geometry_msgs/msg/Transform",
-                    translation=make("geometry_msgs/msg/Vector3", *positions[i][k]),
-                    rotation=make("geometry_msgs/msg/Quaternion", *quaternions[i][k]),
-                ),
-            )
-            for k, frame in enumerate(scene.frames)
-        ]
-        yield int(stamp), "/tf", make(TYPES["/tf"], transforms=moved)
+def shapes(scene: Scene) -> tuple[int, str, Any]:
+    """Stamp in ns, topic and message of the shapes, which are said once, at the start."""
+    stamp = int(_stamps(scene)[0])
+    return stamp, "/scene", _shapes(scene, stamp)
+
+
+def frames(scene: Scene) -> tuple[Pack, Array, Array]:
+    """Of the frames at all times: how a message is packed, stamps in ns, (n,), and numbers, (n, 7 m)."""
+    placed = np.concatenate(
+        [scene.position, np.roll(scene.quaternion, -1, axis=-1)], axis=-1
+    )  # (n, m, 7), x y z w last
+    return partial(_moved, scene.frames), _stamps(scene), placed.reshape(len(placed), -1)
+
+
+def _moved(names: tuple[str, ...], stamp: Any, numbers: Array) -> Any:
+    head = make("std_msgs/msg/Header", stamp=stamp, frame_id="world")
+    transforms = [
+        make(
+            "geometry_msgs/msg/TransformStamped",
+            header=head,
+            child_frame_id=name,
+            transform=make(
+                "geometry_msgs/msg/Transform",
+                translation=make("geometry_msgs/msg/Vector3", *place[:3]),
+                rotation=make("geometry_msgs/msg/Quaternion", *place[3:]),
+            ),
+        )
+        for name, place in zip(names, numbers.reshape(-1, 7))
+    ]
+    return make(TYPES["/tf"], transforms=transforms)
+
+
+def _stamps(scene: Scene) -> Array:
+    return np.round(scene.time * 1e9).astype(np.int64)
 
 
 def _shapes(scene: Scene, stamp: int) -> Any:
@@ -72,5 +87,4 @@ def _shapes(scene: Scene, stamp: int) -> Any:
 
 
 def _header(stamp: int, frame: str) -> Any:
-    time = make("builtin_interfaces/msg/Time", *divmod(stamp, 10**9))
-    return make("std_msgs/msg/Header", stamp=time, frame_id=frame)
+    return make("std_msgs/msg/Header", stamp=stamp_of(stamp), frame_id=frame)

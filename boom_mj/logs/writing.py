@@ -6,17 +6,19 @@ from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
-from mcap.writer import CompressionType, Writer
 
 from boom_mj.errors import LogError
 from boom_mj.files import whole_file
+from boom_mj.logs.container import Container
 from boom_mj.logs.messages import make, typestore
 from boom_mj.logs.scene import TYPES as SCENE_TYPES
-from boom_mj.logs.scene import scene_messages
+from boom_mj.logs.scene import frames, shapes
+from boom_mj.logs.serialising import Pack, Serialiser, record_of, serialise
 from boom_mj.logs.topics import LOGGED, METADATA, TOPICS, Topic, refuse_gaps
 from boom_mj.recording import Recording, Scene
 
 LAST_STAMP = 2**31 - 1  # s; ROS counts seconds in 32 bits
+BLOCK = 50_000  # messages that are in memory at a time
 
 
 def write_mcap(
@@ -67,20 +69,35 @@ def _stamps(recording: Recording, topic: Topic) -> np.ndarray:
 
 @dataclass(frozen=True)
 class _Column:
-    """The messages of one topic: name in the file, kind, stamps in ns, rows and variances by message field."""
+    """The messages of one topic, which differ in stamps and numbers only.
+
+    Attributes:
+        name: topic in the file.
+        ros_type: of the messages.
+        pack: message from its stamp and numbers.
+        stamps: (n,), ns.
+        numbers: (n, k).
+    """
 
     name: str
-    topic: Topic
+    ros_type: str
+    pack: Pack
     stamps: np.ndarray
-    rows: Mapping[str, np.ndarray]
-    noise: Mapping[str, float]
+    numbers: np.ndarray
 
-    def message(self, i: int) -> bytes:
-        time = make("builtin_interfaces/msg/Time", *divmod(int(self.stamps[i]), 10**9))
-        header = make("std_msgs/msg/Header", stamp=time, frame_id=self.topic.frame_id)
-        rows = {field: values[i] for field, values in self.rows.items()}
-        message = self.topic.kind.pack(header, self.topic.channels, rows, self.noise)
-        return bytes(typestore().serialize_cdr(message, self.topic.kind.ros_type))
+
+def _topic_column(name: str, topic: Topic, recording: Recording, variance: Mapping[str, float]) -> _Column:
+    present = {field: signal for field, signal in topic.signals.items() if signal in recording}
+    noise = {field: variance[signal] for field, signal in present.items() if signal in variance}
+    values = [recording[signal].values for signal in present.values()]
+    ends = np.cumsum([rows.shape[1] for rows in values])[:-1]
+
+    def pack(stamp: Any, numbers: np.ndarray) -> Any:
+        header = make("std_msgs/msg/Header", stamp=stamp, frame_id=topic.frame_id)
+        return topic.kind.pack(header, topic.channels, dict(zip(present, np.split(numbers, ends))), noise)
+
+    numbers = np.concatenate(values, axis=1) + 0.0  # no negative zeros
+    return _Column(name, topic.kind.ros_type, pack, _stamps(recording, topic), numbers)
 
 
 @dataclass(frozen=True)
@@ -95,13 +112,11 @@ class _Part:
         recording = self.recording
         if unknown := [name for name in (*recording.signals, *self.variance) if name not in LOGGED]:
             raise LogError(f"no topic carries {', '.join(unknown)}; a log holds {', '.join(LOGGED)}")
-        found = []
-        for topic in TOPICS:
-            present = {field: name for field, name in topic.signals.items() if name in recording}
-            if present:
-                rows = {field: recording[name].values + 0.0 for field, name in present.items()}  # no negative zeros
-                noise = {field: self.variance[name] for field, name in present.items() if name in self.variance}
-                found.append(_Column(self.prefix + topic.name, topic, _stamps(recording, topic), rows, noise))
+        found = [
+            _topic_column(self.prefix + topic.name, topic, recording, self.variance)
+            for topic in TOPICS
+            if any(name in recording for name in topic.signals.values())
+        ]
         if not found:
             raise LogError(f"recording '{recording.name}' has no signals to write")
         return found
@@ -114,12 +129,10 @@ def _write(
     also: Iterable[tuple[int, str, Any]],
     stream: IO[bytes],
 ) -> None:
-    writer = Writer(stream, compression=CompressionType.ZSTD)
-    writer.start(profile="ros2", library="boom_mj")
+    container = Container(stream, profile="ros2", library="boom_mj")
     labels = {"name": recording.name, "machine": recording.machine, "description": recording.description}
-    writer.add_metadata(METADATA, labels)
+    container.metadata(METADATA, labels)
 
-    types = {column.name: column.topic.kind.ros_type for column in columns} | (SCENE_TYPES if scene else {})
     schemas: dict[str, int] = {}
     channels: dict[str, int] = {}
 
@@ -127,22 +140,40 @@ def _write(
         for ros_type in dict.fromkeys(ros_types.values()):
             if ros_type not in schemas:
                 definition, _ = typestore().generate_msgdef(ros_type, ros_version=2)
-                schemas[ros_type] = writer.register_schema(ros_type, "ros2msg", definition.encode())
-        channels.update({name: writer.register_channel(name, "cdr", schemas[kind]) for name, kind in ros_types.items()})
+                schemas[ros_type] = container.schema(ros_type, definition)
+        channels.update({name: container.channel(name, schemas[kind]) for name, kind in ros_types.items()})
 
-    register(types)
+    def write_one(stamp: int, name: str, message: Any, sequence: int) -> None:
+        record = record_of(channels[name], stamp, sequence, serialise(message))
+        container.messages([record], np.array([channels[name]]), np.array([stamp]))
 
-    when = np.concatenate([column.stamps for column in columns])  # (N,) over all messages, ns
-    which = np.repeat(np.arange(len(columns)), [column.stamps.size for column in columns])
-    sample = np.concatenate([np.arange(column.stamps.size) for column in columns])
-    for m in np.lexsort((which, when)):
-        stamp, i, column = int(when[m]), int(sample[m]), columns[which[m]]
-        writer.add_message(channels[column.name], stamp, column.message(i), stamp, i)
-    for i, (stamp, name, message) in enumerate(scene_messages(scene) if scene else ()):
-        writer.add_message(channels[name], stamp, bytes(typestore().serialize_cdr(message, types[name])), stamp, i)
+    register({column.name: column.ros_type for column in columns} | (SCENE_TYPES if scene else {}))
+    if scene:
+        write_one(*shapes(scene), 0)
+        columns = [*columns, _Column("/tf", SCENE_TYPES["/tf"], *frames(scene))]
+    _write_columns(container, columns, channels)
     for i, (stamp, name, message) in enumerate(also):
         if name not in channels:
             register({name: message.__msgtype__})
-        data = bytes(typestore().serialize_cdr(message, message.__msgtype__))
-        writer.add_message(channels[name], stamp, data, stamp, i)
-    writer.finish()
+        write_one(stamp, name, message, i)
+    container.finish()
+
+
+def _write_columns(container: Container, columns: list[_Column], channels: Mapping[str, int]) -> None:
+    """Write messages in the order of their stamps, a block at a time; equal stamps in the order of the columns."""
+    serialisers = [Serialiser(column.pack, column.numbers.shape[1]) for column in columns]
+    when = np.concatenate([column.stamps for column in columns])  # (N,) over all messages, ns
+    which = np.repeat(np.arange(len(columns)), [column.stamps.size for column in columns])
+    order = np.lexsort((which, when))
+    numbers = np.array([channels[column.name] for column in columns])
+    done = np.zeros(len(columns), int)
+    for start in range(0, len(order), BLOCK):
+        block = order[start : start + BLOCK]
+        records = np.empty(len(block), object)
+        for c, (column, serialiser) in enumerate(zip(columns, serialisers)):
+            of = which[block] == c
+            part = slice(done[c], done[c] + np.count_nonzero(of))
+            found = serialiser.records(numbers[c], column.stamps[part], column.numbers[part], part.start)
+            records[of] = np.array([*found, None], object)[:-1]  # without the None, bytes would become an "S" array
+            done[c] = part.stop
+        container.messages(records.tolist(), numbers[which[block]], when[block])

@@ -15,6 +15,7 @@ from boom_mj.machine import AXES, Elastic, Machine
 from boom_mj.mjcf import scene
 from boom_mj.mjcf.hinges import HingeChain, hinge_chains
 from boom_mj.mjcf.inertia import RigidInertia, beam_axis, segment_inertias
+from boom_mj.mjcf.keyframes import POSES_DEG, add_keyframes
 from boom_mj.mjcf.masses import segment_cuts
 from boom_mj.mjcf.rayleigh import in_tune
 
@@ -44,9 +45,13 @@ class BoomModel:
             return self.spec.compile()
 
     def to_xml(self) -> str:
-        """The MJCF text."""
+        """The MJCF text, with keyframes and sensors of joints and tip beside what simulations need."""
         self.compile()
-        return self.spec.to_xml()
+        spec = self.spec.copy()
+        add_keyframes(spec, {name: np.radians(pose) for name, pose in POSES_DEG.items()})
+        add_readings(spec)
+        spec.compile()
+        return spec.to_xml()
 
     def ritz_matrix(self, model: mujoco.MjModel) -> Array:
         """Rows (12, nq) with elastic Ritz coordinates = matrix @ qpos, in the order qa2, qv2, qw2, ..., qw5."""
@@ -166,6 +171,21 @@ def _add_sensors(spec: mujoco.MjSpec, machine: Machine) -> None:
         marker = f"marker{number + 1}"
         site, position = mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtSensor.mjSENS_FRAMEPOS
         spec.add_sensor(name=marker, type=position, objtype=site, objname=marker)
+
+
+def add_readings(spec: mujoco.MjSpec) -> None:
+    """Sensors for those who open the file: joint1_position, joint1_velocity, drive1_torque, .., tip_position."""
+    kinds = mujoco.mjtSensor
+    for k in range(1, 6):
+        joint, drive = (mujoco.mjtObj.mjOBJ_JOINT, f"joint{k}"), (mujoco.mjtObj.mjOBJ_ACTUATOR, f"drive{k}")
+        for name, kind, (objtype, objname) in (
+            (f"joint{k}_position", kinds.mjSENS_JOINTPOS, joint),
+            (f"joint{k}_velocity", kinds.mjSENS_JOINTVEL, joint),
+            (f"drive{k}_torque", kinds.mjSENS_ACTUATORFRC, drive),
+        ):
+            spec.add_sensor(name=name, type=kind, objtype=objtype, objname=objname)
+    site = mujoco.mjtObj.mjOBJ_SITE
+    spec.add_sensor(name="tip_position", type=kinds.mjSENS_FRAMEPOS, objtype=site, objname="tip")
 
 
 def _tune_drives(spec: mujoco.MjSpec, machine: Machine) -> None:

@@ -35,6 +35,12 @@ def segment_inertias(machine: Elastic, index: int, chains: dict[str, HingeChain]
     return tuple(_rigid(machine, index, *body) for body in bodies)
 
 
+def rigid_link(machine: Elastic, index: int) -> RigidInertia:
+    """Inertia of one link that does not bend."""
+    x, mass, inertia = mass_points(machine, index, np.zeros(0))
+    return _rigid(machine, index, x, mass, float(inertia.sum()))
+
+
 def beam_axis(machine: Elastic, index: int) -> Array:
     """Unit vector along the neutral axis in the link frame, (3,): a ramp's beam runs from root to tip."""
     link = machine.links[index]

@@ -66,18 +66,23 @@ def draw_turret(body: mujoco.MjsBody, machine: Machine) -> None:
     _visual(body, CYLINDER, size=[0.16, 0.45, 0], rgba=DARK)
 
 
+def box_corners(machine: Elastic, index: int, start: float, stop: float) -> np.ndarray:
+    """Corners of a link's tapered box between two x, in the link-tip frame, (8, 3), m; z changes first, x last."""
+    link, corners = machine.links[index], []
+    for x in (start, stop):
+        height, width = sections.linear(link.height, link, x) / 2, sections.linear(link.width, link, x) / 2
+        z = float(sections.offset(link, machine.offset_profile.kind, x)) - link.offset
+        corners += [(x, sy * height, z + sz * width) for sy in (-1, 1) for sz in (-1, 1)]
+    return np.array(corners)
+
+
 def draw_segment(
     spec: mujoco.MjSpec, body: mujoco.MjsBody, machine: Elastic, index: int, number: int, start: float, stop: float
 ) -> None:
     """The stretch of a link's tapered box between two x, with the joint at its end drawn as a pin."""
     link = machine.links[index]
-    corners = []
-    for x in (start, stop):
-        height, width = sections.linear(link.height, link, x) / 2, sections.linear(link.width, link, x) / 2
-        z = float(sections.offset(link, machine.offset_profile.kind, x)) - link.offset
-        corners += [(x, sy * height, z + sz * width) for sy in (-1, 1) for sz in (-1, 1)]
     name = f"{link.name}_box_{number + 1}"
-    spec.add_mesh(name=name, uservert=np.round(np.array(corners), 6).ravel())
+    spec.add_mesh(name=name, uservert=np.round(box_corners(machine, index, start, stop), 6).ravel())
     _visual(body, MESH, meshname=name, rgba=YELLOW if index % 2 == 0 else (0.96, 0.76, 0.2, 1))
     if stop == 0.0 and index + 1 < len(machine.links):
         radius = 0.55 * link.height[1]

@@ -1,6 +1,6 @@
 """Two recordings of one experiment, channel group by channel group, in units of sensor noise."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,12 +18,16 @@ class Group:
         rms: of measured - simulated, in `unit`.
         noise: standard deviation of the sensor.
         ratio: rms / noise.
+        signal: where its channels lie in a recording.
+        columns: which of the signal's they are.
     """
 
     name: str
     unit: str
     rms: float
     noise: float
+    signal: str
+    columns: tuple[int, ...]
 
     @property
     def ratio(self) -> float:
@@ -42,8 +46,18 @@ def compare(log: Recording, twin: Recording, noise: dict[str, Array]) -> tuple[G
         for group, columns in _groups(name, signal.channels).items():
             part = difference[:, columns]
             rms = float(np.sqrt(np.nanmean(part**2))) if np.isfinite(part).any() else float("nan")
-            groups.append(Group(group, signal.unit, rms, float(level[columns[0]])))
+            groups.append(Group(group, signal.unit, rms, float(level[columns[0]]), name, tuple(columns)))
     return tuple(groups)
+
+
+def residual(log: Recording, twin: Recording) -> Recording:
+    """Measured - simulated, of all signals that both have but what drives the model."""
+    signals = {
+        name: replace(signal, values=signal.values - twin[name].values)
+        for name, signal in log.signals.items()
+        if name in twin and not name.startswith("joint") and name != "load"
+    }
+    return replace(log, description=f"measured - simulated: {log.description}", signals=signals)
 
 
 def _groups(name: str, channels: tuple[str, ...]) -> dict[str, list[int]]:

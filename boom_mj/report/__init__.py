@@ -1,5 +1,19 @@
 """Pictures: compute below, draw on top. Measured is near-black, nominal vermilion, corrected blue, everywhere."""
 
-from boom_mj.report.calibration import write_calibration as write_calibration
-from boom_mj.report.diagnosis import write_diagnosis as write_diagnosis
-from boom_mj.report.overlay import draw_overlay as draw_overlay
+from typing import TYPE_CHECKING
+
+from boom_mj.doors import door
+
+if TYPE_CHECKING:
+    from boom_mj.report.calibration import write_calibration as write_calibration
+    from boom_mj.report.diagnosis import write_diagnosis as write_diagnosis
+    from boom_mj.report.overlay import draw_overlay as draw_overlay
+else:
+    __getattr__, __dir__, __all__ = door(
+        __name__,
+        {
+            "boom_mj.report.calibration": ("write_calibration",),
+            "boom_mj.report.diagnosis": ("write_diagnosis",),
+            "boom_mj.report.overlay": ("draw_overlay",),
+        },
+    )

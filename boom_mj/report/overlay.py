@@ -1,52 +1,166 @@
-"""A log and its simulated twin over each other, with the residual under every pair."""
+"""A log and its simulated twin over each other: the worst channel first, the residual under every pair."""
 
 from pathlib import Path
+from typing import Any
 
 import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.gridspec import GridSpec
+from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import ScaledTranslation
 
 from boom_mj.files import whole_file
-from boom_mj.replay import Replay
-from boom_mj.report.colours import MEASURED, NOMINAL
+from boom_mj.replay import Group, Replay
+from boom_mj.report.colours import MEASURED, NOMINAL, QUIET
+from boom_mj.report.drawing import STYLE, envelope, gap_axis
+from boom_mj.sensors import boom_lines
 
-PANELS = (
-    ("markers", "marker12/z", "tip height"),
-    ("markers", "marker12/y", "tip sideways"),
-    ("imu/link5/specific_force", "y", "link 5 specific force, up"),
-    ("cylinder/force", "cylinder2", "cylinder 2"),
-)
+Array = np.ndarray
+PANELS = 4
+BAND, PALE = "#9fc5e8", "#a9b0bc"  # of noise, over what it hides; of the shape at the start
+UNITS = {"N": ("kN", 1e-3), "rad/s": ("mrad/s", 1e3), "m/s^2": ("m/s²", 1.0)}  # on an axis, and factor
+RESIDUAL_UNITS = {**UNITS, "m": ("mm", 1e3)}
+SIZE, DPI = (13.0, 9.4), 110  # inch
 
 
 def draw_overlay(replay: Replay, path: Path) -> None:
-    """Write a PNG with what tells most: the tip's motion, its acceleration, a cylinder's force, and all ratios."""
-    panels = [panel for panel in PANELS if panel[0] in replay.log and panel[0] in replay.twin]
-    figure = plt.figure(figsize=(13, 2.3 * max(len(panels), 2)), layout="constrained")
-    halves = np.asarray(figure.subfigures(1, 2, width_ratios=[2.2, 1]))
-    left, right = halves
-    axes = left.subplots(2 * len(panels), 1, sharex=True, height_ratios=[3, 1] * len(panels), squeeze=False)[:, 0]
-    for (name, channel, title), upper, lower in zip(panels, axes[::2], axes[1::2]):
-        signal = replay.log[name]
-        column = signal.channels.index(channel)
-        measured, simulated = signal.values[:, column], replay.twin[name].values[:, column]
-        upper.plot(signal.time, measured, color=MEASURED, lw=0.8, label="measured")
-        upper.plot(signal.time, simulated, color=NOMINAL, lw=0.8, label="simulated")
-        upper.set_ylabel(f"{title}\n{signal.unit}", fontsize=8)
-        lower.plot(signal.time, measured - simulated, color=MEASURED, lw=0.5)
-        lower.axhline(0, color=NOMINAL, lw=0.5)
-        lower.set_ylabel("residual", fontsize=7)
-    axes[0].legend(fontsize=8, loc="upper right", ncols=2)
-    axes[-1].set_xlabel("time, s")
-    bars = right.subplots()
-    groups = replay.groups[::-1]
-    bars.barh(np.arange(len(groups)), [g.ratio for g in groups], color=NOMINAL, height=0.7)
-    bars.axvline(1, color=MEASURED, lw=0.8)
-    bars.set_yticks(np.arange(len(groups)), [g.name for g in groups], fontsize=6)
-    bars.set_xscale("log")
-    bars.set_xlabel("rms(measured - simulated) / sensor noise")
-    figure.suptitle(f"{replay.log.name}: log against model of {replay.twin.machine}")
+    """Write `overlay` as a PNG."""
+    figure = overlay(replay)
     with whole_file(path) as stream:
-        figure.savefig(stream, format="png", dpi=110)
-    plt.close(figure)
+        figure.savefig(stream, format="png", dpi=DPI, pil_kwargs={"compress_level": 3})
+
+
+def overlay(replay: Replay) -> Figure:
+    """The worst channel group of every kind of sensor, the boom's shape at three moments, and all ratios."""
+    panels = worst_groups(replay.groups)
+    with matplotlib.rc_context({**STYLE, "font.sans-serif": ["DejaVu Sans"], "font.size": 9}):
+        figure = Figure(figsize=SIZE)
+        FigureCanvasAgg(figure)
+        figure.text(0.015, 0.972, _headline(replay, panels), fontsize=12.5, color=MEASURED)
+        rows = GridSpec(max(len(panels), 1), 1, figure, left=0.085, right=0.585, top=0.92, bottom=0.06, hspace=0.34)
+        for k, group in enumerate(panels):
+            pair = rows[k].subgridspec(2, 1, height_ratios=[2.2, 1], hspace=0.12)
+            axes = figure.add_subplot(pair[0]), figure.add_subplot(pair[1])
+            _draw_pair(*axes, replay, group, worst=k == 0)
+            axes[1].tick_params(labelbottom=k == len(panels) - 1)
+        if panels:
+            axes[1].set_xlabel("time, s", labelpad=1)
+            shown = [*figure.axes[0].get_lines(), *figure.axes[1].patches]
+            place: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (0.595, 0.944)}
+            figure.legend(handles=shown, ncols=3, frameon=False, borderaxespad=0, borderpad=0, **place)
+        right = GridSpec(2, 1, figure, left=0.74, right=0.985, top=0.92, bottom=0.06, height_ratios=[1, 2], hspace=0.3)
+        _draw_shapes(figure.add_subplot(right[0]), replay, _worst_moment(replay, panels))
+        _draw_ratios(figure.add_subplot(right[1]), replay.groups)
+    return figure
+
+
+def worst_groups(groups: tuple[Group, ...]) -> list[Group]:
+    """The worst channel group of every kind of sensor, worst first, PANELS at most."""
+    known = sorted((group for group in groups if np.isfinite(group.rms)), key=lambda group: -group.ratio)
+    kinds: dict[str, Group] = {}
+    for group in known:
+        kinds.setdefault(group.signal.rpartition("/")[2], group)
+    return list(kinds.values())[:PANELS]
+
+
+def _headline(replay: Replay, panels: list[Group]) -> str:
+    head = f"{replay.log.name}: log against model of {replay.twin.machine}"
+    return f"{head}; worst is {panels[0].name}, {panels[0].ratio:.3g} times its noise" if panels else head
+
+
+def _column(replay: Replay, group: Group) -> int:
+    """The channel of a group that is furthest off."""
+    difference = replay.log[group.signal].values - replay.twin[group.signal].values
+    size = np.nansum(difference[:, group.columns] ** 2, axis=0)
+    return group.columns[int(np.argmax(size))]
+
+
+def _worst_moment(replay: Replay, panels: list[Group]) -> float | None:
+    """Where the worst channel is furthest off, as a mean over a second, s from the first stamp."""
+    if not panels:
+        return None
+    signal, column = replay.log[panels[0].signal], _column(replay, panels[0])
+    off = np.nan_to_num(np.abs(signal.values[:, column] - replay.twin[panels[0].signal].values[:, column]))
+    width = max(1, min(len(off), round(len(off) / max(signal.time[-1] - signal.time[0], 1.0))))
+    smooth = np.convolve(off, np.full(width, 1 / width), "same")
+    return float(signal.time[np.argmax(smooth)] - replay.log["joint/position"].time[0])
+
+
+def _draw_pair(upper: Axes, lower: Axes, replay: Replay, group: Group, worst: bool) -> None:
+    signal, column = replay.log[group.signal], _column(replay, group)
+    measured, simulated = signal.values[:, column], replay.twin[group.signal].values[:, column]
+    unit, factor = UNITS.get(group.unit, (group.unit, 1.0))
+    upper.plot(*envelope(signal.time, factor * measured), color=MEASURED, lw=0.9, label="measured")
+    upper.plot(*envelope(signal.time, factor * simulated), color=NOMINAL, lw=0.9, label="simulated")
+    title = group.name + (f" ({signal.channels[column].partition('/')[0]})" if len(group.columns) > 1 else "")
+    said = f"{title}: {group.ratio:.3g} times noise"
+    _title(upper, f"worst: {said}" if worst else said, "bold" if worst else "normal")
+    upper.set_ylabel(unit)
+    unit, factor = RESIDUAL_UNITS.get(group.unit, (group.unit, 1.0))
+    noise = factor * group.noise
+    lower.plot(*envelope(signal.time, factor * (measured - simulated)), color=MEASURED, lw=0.6)
+    lower.axhspan(-noise, noise, facecolor=BAND, alpha=0.55, lw=0, zorder=3, label="sensor noise, ±1 deviation")
+    lower.axhline(0, color=NOMINAL, lw=0.8, zorder=4)
+    lower.set_ylabel(f"residual\n{unit}")
+    if worst:
+        for axes in (upper, lower):
+            for side in ("left", "bottom"):
+                axes.spines[side].set(color=NOMINAL, linewidth=1.6)
+    for axes, ticks, prune in ((upper, 4, "lower"), (lower, 3, "upper")):  # the two stand close
+        axes.set_xlim(signal.time[0], signal.time[-1] if len(signal.time) > 1 else None)
+        axes.yaxis.set_major_locator(MaxNLocator(ticks, prune=prune))
+        axes.yaxis.set_label_coords(-0.105, 0.5)
+    upper.set_xticks([])
+    lower.grid(axis="x")
+
+
+def _draw_shapes(axes: Axes, replay: Replay, worst: float | None) -> None:
+    """Seen from the side, in the vertical plane that turns with the slewing joint."""
+    motion = replay.trajectory
+    last = float(motion.time[-1])
+    moments = sorted({0.0, last / 2 if worst is None else min(max(worst, 0.0), last), last})
+    steps = [int(np.searchsorted(motion.time, moment)) for moment in moments]
+    slewing = motion.joints[steps, 0]
+    along = np.stack([np.cos(slewing), np.sin(slewing)], axis=1)[:, :, None]  # (moments, 2, 1)
+    for points, style in ((boom_lines(motion, steps, bent=False), ":"), (boom_lines(motion, steps), "-")):
+        reach = (points[..., :2] @ along)[..., 0]
+        for k, moment in enumerate(moments):
+            shade = NOMINAL if moment == worst else QUIET if moment else PALE
+            named = f"{moment:.0f} s" + (", worst" if moment == worst else "")
+            axes.plot(reach[k], points[k, :, 2], style, color=shade, lw=1.6 if style == "-" else 0.9, label=named)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.margins(0.12)
+    _title(axes, "shape (dots: rigid)")
+    solid = axes.get_lines()[len(moments) :]
+    place: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.03, 0.985), "columnspacing": 1.0}
+    axes.legend(handles=solid, ncols=3, frameon=False, handlelength=1.0, fontsize=8, **place)
+    axes.set_xlabel("from the slewing axis, m", labelpad=1)
+    axes.set_ylabel("height, m")
+    axes.grid()
+
+
+def _draw_ratios(axes: Axes, groups: tuple[Group, ...]) -> None:
+    known = sorted((g for g in groups if np.isfinite(g.ratio)), key=lambda group: group.ratio)
+    if not known:
+        axes.set_axis_off()
+        axes.text(0.5, 0.5, "the log has nothing to compare\nbut its joint angles", ha="center", color=QUIET)
+        return
+    ratios = np.array([group.ratio for group in known])
+    bars = axes.barh(np.arange(len(known)), ratios, color=NOMINAL, height=0.7, alpha=0.4)
+    bars[-1].set_alpha(1.0)
+    gap_axis(axes, ratios)
+    axes.set_yticks([])
+    place: dict[str, Any] = {"transform": axes.get_yaxis_transform(), "ha": "right", "va": "center", "fontsize": 6.8}
+    for k, group in enumerate(known):  # as texts, which take a fifth of the time of ticks
+        axes.text(-0.015, k, group.name, fontweight="bold" if group is known[-1] else "normal", **place)
+    axes.set_ylim(-0.7, len(known) - 0.3)
+    _title(axes, "rms residual / noise of the sensor")
+
+
+def _title(axes: Axes, text: str, weight: str = "normal") -> None:
+    """A title that does not measure everything else to find its place."""
+    up = ScaledTranslation(0, 5 / 72, axes.figure.dpi_scale_trans)
+    axes.text(0, 1, text, transform=axes.transAxes + up, fontsize=10, fontweight=weight)

@@ -1,5 +1,7 @@
 """Experiments on compiled booms: rest, prescribed joint motion, rope cuts."""
 
+from boom_mj.engine import mujoco as _mujoco  # noqa: F401  # isort: skip
+
 from boom_mj.simulation.catalogue import CATALOGUE as CATALOGUE
 from boom_mj.simulation.catalogue import load_experiment as load_experiment
 from boom_mj.simulation.diverged import LastStates as LastStates

@@ -3,9 +3,10 @@
 from collections.abc import Mapping
 
 from boom_mj.errors import ExperimentError
+from boom_mj.mjcf import POSES_DEG
 from boom_mj.simulation.experiments import Chirp, Experiment, Move, parse_experiment
 
-STRETCHED, BOW, T_SHAPE = (0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 60.0, -35.0, -40.0, -45.0), (0.0, 85.0, -85.0, 0.0, 0.0)
+STRETCHED, BOW, T_SHAPE = POSES_DEG["stretched"], POSES_DEG["bow"], (0.0, 85.0, -85.0, 0.0, 0.0)
 
 
 def _release(name: str, pose: tuple, load: tuple, text: str) -> Experiment:

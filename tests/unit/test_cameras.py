@@ -22,6 +22,7 @@ from boom_mj.cameras.align import Pattern
 from boom_mj.cameras.calibrate import calibrate_lens, place_camera
 from boom_mj.cameras.chain import track
 from boom_mj.cameras.dataset import (
+    DEPTH_UNIT,
     CameraEntry,
     Dataset,
     PictureEntry,
@@ -33,6 +34,7 @@ from boom_mj.cameras.dataset import (
 from boom_mj.cameras.intrinsics import Intrinsics
 from boom_mj.cameras.recognise import catalogue_of
 from boom_mj.cameras.targets import plate_picture
+from boom_mj.cameras.yard import GROUND_REACH
 from boom_mj.cli import main
 from boom_mj.errors import BoomError, DatasetError, MachineFileError, OutputError, TrackError
 from boom_mj.logs import read_mcap
@@ -122,6 +124,7 @@ def test_the_layouts_load_in_their_readers(made: Path) -> None:
     assert set(truth) == set(seen) == set(camera) == {"0", "1", "2"} and len(truth["0"]) == len(info) == 8
     assert (bop / "test" / "000001" / "rgb" / "000000.png").is_file()
     assert 0 < seen["0"][0]["visib_fract"] <= 1.05  # outline and mask differ along the rim
+    assert "distortion" not in camera["0"]
 
     with (made / "dataset.mcap").open("rb") as stream:
         reader = make_reader(stream, decoder_factories=[DecoderFactory()])
@@ -132,6 +135,10 @@ def test_the_layouts_load_in_their_readers(made: Path) -> None:
     decoded = cv2.imdecode(np.frombuffer(messages["/camera/1/image/compressed"][0].data, np.uint8), cv2.IMREAD_COLOR)
     assert decoded.shape == (288, 448, 3) and messages["/camera/1/camera_info"][0].distortion_model == "plumb_bob"
     assert {"/joint_states", "/markers", "/imu/link5"} <= set(messages)
+    frames = {t.child_frame_id: t.transform for t in messages["/tf"][0].transforms}
+    assert {"left", "right", "link2_tip", "link5_tip"} <= set(frames)
+    assert {m.header.frame_id for m in messages["/camera/1/image/compressed"]} <= set(frames)
+    assert frames["right"].translation.z == pytest.approx(2.5)
 
 
 @needs_egl
@@ -145,11 +152,66 @@ def test_labels_say_what_the_pictures_show(made: Path) -> None:
             continue
         u, v = np.round(plate["pixel"]).astype(int)
         inside = pose[:3, :3] @ plate["center"] + pose[:3, 3]
-        assert depth[v, u] / 1000 == pytest.approx(inside[2], abs=0.06)  # m: half a pixel (16 mm) of a tilted plate
+        assert depth[v, u] * DEPTH_UNIT == pytest.approx(inside[2], abs=0.06)  # m: half a pixel of a tilted plate
         assert (masks[v, u] > 0) == name.startswith("marker")
         seen += 1
     assert seen > 6
     assert label["plates"]["marker1_right"]["visible"] == 0  # the other side of the boom
+
+
+@needs_egl
+def test_depth_is_there_wherever_there_is_a_surface(made: Path) -> None:
+    """Rays that hit the ground before it ends; the sky is without."""
+    for camera in ("left", "right"):
+        label = json.loads((made / "labels" / camera / "000000.json").read_text())
+        depth = cv2.imread(str(made / "depth" / camera / "000000.png"), cv2.IMREAD_UNCHANGED)
+        height, width = depth.shape
+        lens = np.array(label["K"])
+        intrinsics = Intrinsics(width, height, (lens[0, 0], lens[1, 1]), (lens[0, 2], lens[1, 2]), label["distortion"])
+        grid = np.stack(np.meshgrid(np.arange(width), np.arange(height)), axis=-1)
+        pose = np.array(label["camera_from_world"])
+        rays = np.concatenate([intrinsics.rays(grid), np.ones((height, width, 1))], axis=-1) @ pose[:3, :3]
+        place = -pose[:3, :3].T @ pose[:3, 3]
+        down = np.where(rays[..., 2] < 0, -place[2] / rays[..., 2], np.inf)
+        hit = place[:2] + down[..., None] * rays[..., :2]
+        edge = GROUND_REACH * sum(link.length for link in load_machine("boom36").links)
+        ground = (down < np.inf) & (np.abs(np.nan_to_num(hit, posinf=1e9, neginf=-1e9)) < edge).all(axis=-1)
+        ground = cv2.erode(ground.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0  # its edge falls between pixels
+        assert ground.any() and (depth[ground] > 0).all()
+        assert (depth[0] == 0).any()  # there is sky
+
+
+@needs_egl
+def test_pictures_and_labels_of_bop_have_one_pinhole_model(made: Path) -> None:
+    for scene in sorted((made / "bop" / "test").iterdir()):
+        cameras, infos = (json.loads((scene / f"scene_{part}.json").read_text()) for part in ("camera", "gt_info"))
+        lens = np.array(cameras["0"]["cam_K"]).reshape(3, 3)
+        compared = 0
+        for k, info in enumerate(infos["0"]):
+            mask, visible = (
+                cv2.imread(str(scene / kind / f"000000_{k:06d}.png"), cv2.IMREAD_UNCHANGED) > 0
+                for kind in ("mask", "mask_visib")
+            )
+            if info["visib_fract"] < 0.9 or mask.sum() < 300:
+                continue
+            rim = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8))
+            assert (mask ^ visible).sum() < 0.5 * rim.sum(), (scene.name, k)  # they differ along the rim alone
+            compared += 1
+        assert compared
+        depth = cv2.imread(str(scene / "depth" / "000000.png"), cv2.IMREAD_UNCHANGED) * cameras["0"]["depth_scale"]
+        turn = np.array(cameras["0"]["cam_R_w2c"]).reshape(3, 3)
+        shift, near = np.array(cameras["0"]["cam_t_w2c"]), 0
+        for label in (json.loads(p.read_text()) for p in (made / "labels").rglob("000000.json")):
+            if not np.allclose(np.array(label["camera_from_world"])[:3, :3], turn, atol=1e-6):
+                continue
+            for plate in label["plates"].values():
+                inside = turn @ plate["center"] * 1000 + shift
+                pixel = lens @ inside / inside[2]
+                u, v = np.round(pixel[:2]).astype(int)
+                if plate["visible"] == 1 and 0 <= u < depth.shape[1] and 0 <= v < depth.shape[0]:
+                    assert depth[v, u] == pytest.approx(inside[2], abs=120)  # mm: a pixel of a tilted plate
+                    near += 1
+        assert near > 3
 
 
 @needs_egl

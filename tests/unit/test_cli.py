@@ -91,3 +91,29 @@ def test_logs_that_cannot_be_replayed(tmp_path: Path) -> None:
         assert told in done.stderr and "Traceback" not in done.stderr
         assert not (tmp_path / "twin.mcap").exists()
     assert sorted(p.name for p in tmp_path.iterdir()) == ["empty.mcap", "half.mcap"]
+
+
+def test_the_version_names_what_computes() -> None:
+    said = boom("--version")
+    assert said.returncode == 0
+    assert said.stdout.startswith("boom_mj ") and f"MuJoCo {mujoco.__version__}" in said.stdout
+
+
+@pytest.mark.parametrize("place", [0, 2])
+def test_quiet_leaves_results_and_errors(tmp_path: Path, place: int) -> None:
+    def quiet(*words: object) -> subprocess.CompletedProcess:
+        return boom(*words[:place], "--quiet", *words[place:])
+
+    model = quiet("generate", "boom36", "-o", tmp_path / "boom.xml")
+    assert (model.stdout, model.stderr) == (f"{tmp_path / 'boom.xml'}\n", "")
+    assert quiet("simulate", "boom36", "slew_t", "-o", tmp_path / "slew.mcap").returncode == 0
+    loud, hushed = boom("replay", tmp_path / "slew.mcap"), quiet("replay", tmp_path / "slew.mcap")
+    assert (loud.stdout, hushed.stderr) == (hushed.stdout, "") and loud.stderr
+    missing, wrong = quiet("replay", tmp_path / "no.mcap"), quiet("replay", tmp_path / "slew.mcap", "--wrong")
+    assert (missing.returncode, wrong.returncode) == (2, 2)
+    assert "there is no such log" in missing.stderr and "--wrong" in wrong.stderr
+
+
+def test_completion_is_there_for_the_shell() -> None:
+    script = boom("--show-completion", "bash")
+    assert script.returncode == 0 and "COMPLETE" in script.stdout

@@ -12,6 +12,7 @@ from mcap_ros2.decoder import DecoderFactory
 
 from boom_mj.errors import LogError, LogWarning, OutputError
 from boom_mj.logs import read_mcap, write_mcap
+from boom_mj.logs.container import Container
 from boom_mj.logs.messages import make, typestore
 from boom_mj.recording import QUANTITIES, Recording, named_signal
 
@@ -118,7 +119,7 @@ def test_a_failing_write_leaves_the_old_file_and_nothing_else(tmp_path, monkeypa
     def full(*args, **kwargs):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(Writer, "finish", full)
+    monkeypatch.setattr(Container, "finish", full)
     with pytest.raises(OutputError, match=r"log\.mcap cannot be written: No space left"):
         write_mcap(recording(seed=1), path)
     assert path.read_bytes() == before

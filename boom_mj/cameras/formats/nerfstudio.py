@@ -9,10 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from boom_mj.cameras.dataset import Dataset, write_json
+from boom_mj.cameras.dataset import DEPTH_UNIT, Dataset, write_json
 from boom_mj.cameras.formats.labels import each_label
-
-UNIT = 0.001  # m per grey level of the depth pictures
 
 
 def write_nerfstudio(folder: Path, dataset: Dataset) -> None:
@@ -20,7 +18,7 @@ def write_nerfstudio(folder: Path, dataset: Dataset) -> None:
     frames = [_frame(folder, file, label) for _, file, label in each_label(folder, dataset)]
     document: dict[str, Any] = {"camera_model": "OPENCV", "orientation_override": "none", "frames": frames}
     if any("depth_file_path" in frame for frame in frames):
-        document["depth_unit_scale_factor"] = UNIT
+        document["depth_unit_scale_factor"] = DEPTH_UNIT
     write_json(folder / "transforms.json", document)
 
 
