@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from boom_mj.effects import load_effects
 from boom_mj.errors import InputError, MachineFileError, SimulationError
 from boom_mj.files import read_text, sweep, write_text
 

@@ -266,9 +266,10 @@ class NamedCause(Named):
 
     parameters: dict[str, SizedParameter]
     closure_alone: Number
-    share: Number = None
-    share_interval: list[Number] | None = None
-    probability: Number = None
+    share: Number
+    """Of the nominal held-out mean square."""
+    share_interval: list[Number]
+    probability: Number
 
 
 class Rival(Named):
@@ -276,7 +277,7 @@ class Rival(Named):
 
     holdout_gap: Number
     why_not: str
-    probability: Number = None
+    probability: Number
 
 
 class Gaps(Part):
@@ -301,6 +302,21 @@ class Where(Part):
     gap: Number = None
 
 
+class Share(Named):
+    """What an effect takes of the gap."""
+
+    share: Number
+    share_interval: list[Number]
+
+
+class Remainder(Part):
+    """What an explanation leaves above the floor."""
+
+    share: Number
+    looks_like: str
+    where: str
+
+
 class GapDiagnose(Part):
     """gap diagnose LOGS... --json FILE; from Python `Answer.document`"""
 
@@ -313,10 +329,42 @@ class GapDiagnose(Part):
     gap: Gaps
     where: list[Where]
     provenance: dict[str, Any]
-    others: dict[str, Number] | None = None
-    remainder: dict[str, Any] | None = None
-    data: list[dict[str, Any]] = []
-    complete: bool = True
+    others: dict[Literal["outside_library", "none"], Number]
+    """Probabilities beside those of the explanations."""
+    budget: list[Share]
+    remainder: Remainder | None
+    floor_share: Number
+    """With those of budget and remainder it makes 1."""
+    data: list[dict[str, Any]]
+    complete: bool
+    skipped: list[str]
+    """What was not looked at for want of time."""
+
+
+class LogState(Part):
+    """Whether the machine was still what it was in one log."""
+
+    log: str
+    changed: bool
+    statistic: Number
+    limit: Number
+    group: str
+
+
+class Since(Part):
+    """When something changed."""
+
+    log: str
+    time_s: Number
+
+
+class GapWatch(Part):
+    """gap watch LOGS... --healthy LOGS... --json FILE"""
+
+    logs: list[LogState]
+    since: Since | None
+    verdict: Literal["consistent", "explained", "ambiguous", "partial", "unexplained"]
+    effects: list[NamedCause]
 
 
 class EffectParameter(Part):
@@ -333,17 +381,36 @@ class LibraryEffect(Part):
 
     id: str
     physics: str
-    places: dict[str, list[Any]]
+    locations: list[dict[str, Any]]
+    """On a boom."""
+    at: list[str]
+    needs: list[str]
     parameters: dict[str, EffectParameter]
+    """On a boom; on any other machine they depend on its model and logs."""
     confused_with: list[str]
-    told_by: str
+    separating_experiment: str
 
 
 class GapEffects(Part):
     """gap effects --json"""
 
-    boom: list[LibraryEffect]
-    any_machine: list[LibraryEffect]
+    effects: list[LibraryEffect]
+
+
+class Criterion(Part):
+    """A number that decides, by kind of machine."""
+
+    family: str
+    name: str
+    unit: str
+    reason: str
+    value: dict[str, Number]
+
+
+class GapCriteria(Part):
+    """gap criteria --json"""
+
+    criteria: list[Criterion]
 
 
 class GapBlindMake(Part):
@@ -396,6 +463,8 @@ DOCUMENTS: dict[str, tuple[type[Part], ...]] = {
     "logs inspect": (LogsInspect,),
     "gap diagnose": (GapDiagnose,),
     "gap effects": (GapEffects,),
+    "gap criteria": (GapCriteria,),
+    "gap watch": (GapWatch,),
     "gap blind make": (GapBlindMake,),
     "gap blind run": (GapBlindRun,),
     "gap blind score": (GapBlindScore,),

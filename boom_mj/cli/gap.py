@@ -30,7 +30,7 @@ def effects(own_effects: EffectFiles = None, as_json: AsJson = False) -> None:
     from boom_mj.effects import BOOM_SITES, effect_library
 
     if as_json:
-        print(json.dumps([_described(kind) for kind in effect_library().values()], indent=1))
+        print(json.dumps({"effects": [_described(kind) for kind in effect_library().values()]}, indent=1))
         return
     for kind in effect_library().values():
         sites = kind.allowed(BOOM_SITES)
@@ -79,10 +79,11 @@ def criteria(as_json: AsJson = False) -> None:
     from boom_mj.diagnosis.criteria import described
 
     if as_json:
-        rows = [{"family": family, "name": f.name, **f.metadata, "value": values} for family, f, values in described()]
-        print(
-            json.dumps([{**row, "value": {k: _finite(v) for k, v in row["value"].items()}} for row in rows], indent=1)
-        )
+        rows = [
+            {"family": family, "name": f.name, **f.metadata, "value": {kind: _finite(v) for kind, v in values.items()}}
+            for family, f, values in described()
+        ]
+        print(json.dumps({"criteria": rows}, indent=1))
         return
     for family, field, values in described():
         one = dict.fromkeys(f"{value:g}" for value in values.values())

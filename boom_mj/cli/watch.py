@@ -11,7 +11,6 @@ import typer
 from boom_mj.cli.arguments import EffectFiles, find_machine, output_path
 from boom_mj.errors import InputError
 from boom_mj.files import write_text
-from boom_mj.logs import read_log
 
 
 def command(
@@ -40,6 +39,7 @@ def command(
     from boom_mj.diagnosis.clock import Clock
     from boom_mj.diagnosis.sentences import sentence
     from boom_mj.diagnosis.watch import watch
+    from boom_mj.logs import read_log
     from boom_mj.systems.boom import BoomSystem
     from boom_mj.systems.mjcf import load_mjcf
     from boom_mj.systems.system import System

@@ -126,8 +126,9 @@ def test_gap_diagnose(ask: Ask, log: Path, tmp_path: Path) -> None:
 
 def test_gap_effects(ask: Ask) -> None:
     found = ask("gap effects", "--json")
-    (payload,) = (effect for effect in found["boom"] if effect["id"] == "tip_payload")
-    assert payload["parameters"]["mass"]["unit"] == "kg" and found["any_machine"]
+    (payload,) = (effect for effect in found["effects"] if effect["id"] == "tip_payload")
+    assert payload["parameters"]["mass"]["unit"] == "kg" and payload["locations"] == [{}]
+    assert all(row["reason"] and row["unit"] for row in ask("gap criteria", "--json")["criteria"])
 
 
 def test_blind(ask: Ask, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
