@@ -33,6 +33,8 @@ Cluster = Annotated[
 
 def _load(paths: list[Path] | None) -> list[Path] | None:
     for path in paths or ():
+        from boom_mj.effects import load_effects
+
         load_effects(path)
     return paths
 

@@ -19,6 +19,7 @@ from boom_mj.estimation.least_squares import OPTIONS
 from boom_mj.systems.system import LinearResponse
 
 Array = np.ndarray
+PART = 32  # columns that are multiplied at once
 
 
 @dataclass(frozen=True)
@@ -73,11 +74,15 @@ class Screening:
         rough = changes[:, : len(nuisances)] * [t.deviation for t in model.nuisances]
         known_columns = [noise.white(c)[train] / s for c, s in zip(changes.T[len(nuisances) :], steps)]
         self.follow = np.column_stack([model.with_noise(noise, rough).posterior.trained, *known_columns])
-        columns = {point: noise.white(prediction - base)[train] for point, prediction in zip(long, found)}
-        for point in points:
+        number = {point: k for k, point in enumerate(points)}
+        self.columns = np.empty((int(train.sum()), len(points)), np.float32)  # (training, c)
+        for point, prediction in zip(long, found):
+            self.columns[:, number[point]] = noise.white(prediction - base)[train]
+        for k, point in enumerate(points):
             if (known_response := self._response(point, rough)) is not None:
-                columns[point] = noise.white(known_response)[train]
-        self.columns = np.stack([columns[p] for p in points], axis=1, dtype=np.float32)  # (training, c)
+                self.columns[:, k] = noise.white(known_response)[train]
+            elif number[point] != k:
+                self.columns[:, k] = self.columns[:, number[point]]
         ends = np.cumsum([0, *(len(group) for _, _, group in self.rows)])
         self.stretches = [slice(start, stop) for start, stop in pairwise(ends)]
 
@@ -88,9 +93,10 @@ class Screening:
         count, free = len(estimate), posterior.free(estimate)  # a nuisance at its limit does not follow
         prior = np.r_[np.ones(count), np.full(self.follow.shape[1] - count, OPTIONS.prior**-2)]
         follow, prior = (part[..., np.r_[free, np.ones(len(prior) - count, bool)]] for part in (self.follow, prior))
-        across = follow.T @ self.columns  # (k, c)
+        across = self._onto(follow)  # (k, c)
         following = np.linalg.solve(np.diag(prior) + follow.T @ follow, across)
-        slopes, whole = left @ self.columns - (left @ follow) @ following, float(left @ left)
+        slopes = self._onto(left[:, None])[0] - (left @ follow) @ following
+        whole = float(left @ left)
         found: dict[tuple, list[Screened]] = {}
         for (kind, site, group), part in zip(self.rows, self.stretches):
             square = self.columns[:, part].T @ self.columns[:, part] - across[:, part].T @ following[:, part]
@@ -112,6 +118,11 @@ class Screening:
                     starts.append(other)
             ranked.append(replace(best, others=tuple(starts[1:])))
         return sorted(ranked, key=lambda s: -s.share)
+
+    def _onto(self, vectors: Array) -> Array:
+        """Products of vectors (training, k) with all columns, (k, c); in parts, whose copies are small."""
+        parts = np.split(self.columns, range(PART, self.columns.shape[1], PART), axis=1)
+        return np.hstack([vectors.T @ part for part in parts])
 
     def _response(self, point: Effect, columns: Array) -> Array | None:
         """What a point changes, (N,), where that is known without simulation, from what nuisances do."""

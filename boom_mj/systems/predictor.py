@@ -54,6 +54,8 @@ class Predictor:
         self._dense: dict[tuple, Future[dict[str, Signal]]] = {}  # the latest asked for last
         self._parts: dict[tuple, Array] = {}
         self._lock = Lock()
+        fidelity = system.facts.fidelity
+        self._shared = {fidelity.rough, fidelity.coarse}  # levels at which nominal simulations serve output effects
 
     def extending(self, index: int) -> "Predictor":
         """With the first part of one more recording for training; what was simulated is known."""
@@ -74,14 +76,20 @@ class Predictor:
         Args:
             recordings: indices of those asked for; all if left out.
         """
-        return list(self.predictions(hypotheses, level, recordings))
+        futures = self._begin(hypotheses, level, recordings)
+        return [self.data.stacked({k: part.result() for k, part in parts.items()}) for parts in futures]
 
     def predictions(
         self, hypotheses: Sequence[Hypothesis], level: Level, recordings: Sequence[int] | None = None
     ) -> Iterator[Array]:
-        """As `predict`, one after the other: all are begun at once, and each is there when it is asked for."""
+        """As `predict`, one after the other, each forgotten once it was asked for; all are begun at once."""
         futures = self._begin(hypotheses, level, recordings)
-        return (self.data.stacked({k: part.result() for k, part in parts.items()}) for parts in futures)
+        for hypothesis, parts in zip(hypotheses, futures):
+            yield self.data.stacked({k: part.result() for k, part in parts.items()})
+            with self._lock:
+                for index in parts:
+                    self._futures.pop((frozenset(hypothesis), level, index, False), None)
+            parts.clear()
 
     def ahead(self, hypotheses: Sequence[Hypothesis], *levels: Level) -> None:
         """Begin what will soon be predicted at several levels, so that no thread waits for the last of a batch."""
@@ -150,12 +158,12 @@ class Predictor:
         return dense, self.system.observe(tuple(e for e in hypothesis if is_output(e)), dense)
 
     def _dense_signals(self, hypothesis: Hypothesis, level: Level, index: int) -> dict[str, Signal]:
-        """Simulated once, whoever else asks meanwhile; those of the nominal machine stay, others for a while."""
+        """Simulated once, whoever else asks meanwhile; the nominal machine's rough ones stay, others for a while."""
         key = (frozenset(hypothesis), level, index)
         with self._lock:
             known = self._dense.pop(key, None)
             future = self._dense[key] = known or Future()
-            passing = [k for k in self._dense if k[0]]
+            passing = [k for k in self._dense if k[0] or k[1] not in self._shared]
             if len(passing) > self._kept:
                 del self._dense[passing[0]]
         if known is None:
