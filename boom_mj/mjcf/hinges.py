@@ -29,6 +29,12 @@ from boom_mj.mjcf.quadrature import gauss_rule, points, radau_rule
 
 Array = np.ndarray
 SAMPLES = 64  # of dC per span: the rules of 32 hinges are exact with smooth sections
+TURNS = ("torsion", "v", "w")
+"""Order of the hinges at every other seam, reversed between.
+
+Finite turns do not commute: one order throughout leaves half a product of two angles at every seam, which in a boom
+bent by its weight is a twist and changes the first lateral frequency with 1 / n, by 0.2 % at n = 4; so it cancels.
+"""
 
 
 @dataclass(frozen=True)
@@ -74,7 +80,7 @@ class Seam:
 
     Attributes:
         place: x, m.
-        hinges: number (from 0) of the hinge of each axis that turns there.
+        hinges: number (from 0) of the hinge of each axis that turns there, in their order from the root.
     """
 
     place: float
@@ -88,9 +94,13 @@ def seams(link: ElasticLink, chains: Mapping[str, HingeChain]) -> tuple[Seam, ..
     rests on a pin, where each has its own: mass between them would follow both, and the limit would be off by 0.04 %.
     """
     v, w = ([hinge.position for hinge in chains[axis].hinges] for axis in ("v", "w"))
-    if link.support is None or len(v) == 1:
-        return tuple(Seam((a + b) / 2, dict.fromkeys(("v", "w", "torsion"), k)) for k, (a, b) in enumerate(zip(v, w)))
-    found = [Seam(x, {"v": k}) for k, x in enumerate(v)] + [Seam(x, {"w": k, "torsion": k}) for k, x in enumerate(w)]
+    if len(v) == 1:
+        return (Seam((v[0] + w[0]) / 2, dict.fromkeys(("v", "w", "torsion"), 0)),)
+    turns = [TURNS[:: (-1) ** k] for k in range(len(v))]
+    if link.support is None:
+        return tuple(Seam((v[k] + w[k]) / 2, dict.fromkeys(turn, k)) for k, turn in enumerate(turns))
+    found = [Seam(x, {"v": k}) for k, x in enumerate(v)]
+    found += [Seam(x, {axis: k for axis in turn if axis != "v"}) for k, (x, turn) in enumerate(zip(w, turns))]
     return tuple(sorted(found, key=lambda seam: seam.place))
 
 
