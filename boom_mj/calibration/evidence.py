@@ -1,8 +1,8 @@
 """What was measured, as one long vector, and what a machine would have given.
 
 Every setting (a machine and zero offsets) is simulated at most once per recording and number of hinges, on threads.
-Refining the hinges from HINGES to FINEST changes the prediction by d; by Richardson d / (1 - ratio^-2) is what ever
-finer ones would, and a share of it counts as the model's own error.
+Refining the hinges from HINGES to FINEST changes the prediction by what ever finer ones would, and a share of it counts
+as the model's own error.
 """
 
 import os
@@ -25,10 +25,9 @@ from boom_mj.simulation import Plant, Trajectory, run, step_times
 from boom_mj.simulation.plant import with_effects
 
 Array = np.ndarray
-COARSE, HINGES, FINEST = 2, 4, 6  # hinges of secants, of what is compared with the measurements, of its correction
+COARSE, HINGES, FINEST = 2, 3, 4  # hinges of secants, of what is compared with the measurements, of its correction
 PACE = 2.0  # steps of secants, in those of the plant
-ORDER = 2  # of convergence in the number of hinges
-LEFT = 0.5  # share of the extrapolated change that may be wrong
+LEFT = 0.5  # share of that change that may be wrong
 REACH = 5  # blocks over which the model's error is carried, for phase
 KEPT = 8  # plants
 
@@ -124,7 +123,7 @@ class Evidence:
     def fidelity(self, setting: Setting) -> tuple[Array, Array]:
         """What finer hinges would add to the prediction, (N,), and the weight 1 / deviation of every entry, (N,)."""
         usual, fine = (self.predict([setting], hinges)[0] for hinges in (HINGES, FINEST))
-        change = (fine - usual) / (1 - (HINGES / FINEST) ** ORDER)
+        change = fine - usual
         size, first = np.empty_like(change), 0
         for block in self.blocks:
             part = slice(first, first := first + block.mean.size)

@@ -10,7 +10,7 @@ from functools import cache
 
 import numpy as np
 
-from boom_mj.calibration.evidence import COARSE, HINGES, ORDER, Evidence
+from boom_mj.calibration.evidence import COARSE, HINGES, Evidence
 from boom_mj.calibration.parameters import Setting
 from boom_mj.calibration.release import Release, Rest, excited_modes, first_rest, release_of
 from boom_mj.machine import cylinder_forces
@@ -68,10 +68,9 @@ class Features:
         }
 
     def correction(self, setting: Setting) -> Values:
-        """What finest hinges would add to the features of a model with COARSE."""
+        """What finer hinges add to the features of a model with COARSE."""
         fine, coarse = self.of(setting, HINGES), self.of(setting, COARSE)
-        grown = 1 / (1 - (COARSE / HINGES) ** ORDER)
-        return {kind: grown * (fine[kind] - coarse[kind]) for kind in fine}
+        return {kind: fine[kind] - coarse[kind] for kind in fine}
 
 
 def features_of(evidence: Evidence, nominal: Setting) -> Features:

@@ -23,9 +23,8 @@ if TYPE_CHECKING:
     from boom_mj.diagnosis.linearisation import Metric
 
 Array = np.ndarray
-ROUGH, COARSE, MIDDLE = (Level(2.0, hinges) for hinges in (1, 2, 4))
-FINE, SHARP = Level(2.0, 6), Level(1.0, 4)  # more hinges, half the step
-REFINED = 1 / (1 - (MIDDLE.hinges / FINE.hinges) ** 2)  # of second order in the hinges, of first in the step
+ROUGH = COARSE = Level(4.0, 2)
+MIDDLE, FINE, SHARP = Level(2.0, 3), Level(2.0, 4), Level(1.0, 3)  # more hinges, half the step: of first order in it
 KEPT = 24  # compiled plants
 STIFFNESS = {"v": 0.005, "w": 0.005, "torsion": 0.01}  # of all links
 PLATES = 0.003  # of the stiffness of a single link
@@ -75,7 +74,7 @@ class BoomSystem(System):
     block, window, still = BLOCK, 5.0, MOVING
     bands = (("static", 0.2), ("first mode", 0.8), ("second mode", 2.5), ("above", np.inf))
     fidelity = FidelityLadder(
-        ROUGH, COARSE, MIDDLE, (Refinement(FINE, REFINED, REFINED), Refinement(SHARP, 2.0, 1.0)), SHARP, alike=0.5
+        ROUGH, COARSE, MIDDLE, (Refinement(FINE, 1.0, 1.0), Refinement(SHARP, 2.0, 1.0)), SHARP, alike=0.5
     )
     causes, slack, worth, spill = 2, 0.005, 0.5, 0.01
     hides = 1.01  # right ones leave 0.95 to 1.00
