@@ -11,7 +11,7 @@ from boom_mj.mjcf import build
 from boom_mj.simulation import Plant
 from boom_mj.simulation.plant import JOINTS, with_effects
 
-HINGES = 8  # the diagnosis has 2, 4 and 6
+HINGES = 8  # the diagnosis has 2, 3 and 4
 INTEGRATOR = mujoco.mjtIntegrator.mjINT_EULER  # the diagnosis has implicitfast
 STEP = 0.4  # of the diagnosis' own
 ZERO_OFFSET = np.radians(0.3)

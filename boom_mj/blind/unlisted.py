@@ -11,7 +11,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from boom_mj.effects import Effect, ForceEffect, ModelEffect, Motion, OutputEffect, Parameter, Site
-from boom_mj.effects.spec_edits import link_hinges
+from boom_mj.effects.spec_edits import bent_by, link_hinges
 from boom_mj.machine import Machine
 from boom_mj.recording import Signal
 
@@ -30,14 +30,15 @@ class HardeningLink(ModelEffect):
     confused_with = ("link_stiffness", "tip_payload")
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
-        hinges = link_hinges(spec, int(self.location["link"]), "v")
-        for hinge in hinges:
-            cubic = self.values["share"] * hinge.stiffness[0] * (len(hinges) / BEND) ** 2
+        hinges = bent_by(spec, machine, int(self.location["link"]), "v")
+        whole = sum(length for _, length in hinges)
+        for hinge, length in hinges:
+            cubic = self.values["share"] * hinge.stiffness[0] * (whole / length / BEND) ** 2
             hinge.stiffness = [hinge.stiffness[0], hinge.stiffness[1], hinge.stiffness[2] + cubic]
 
 
 class BreathingCrack(ModelEffect):
-    """A crack near a link's root that opens on one side only: the first hinge is softer beyond a threshold angle."""
+    """A crack near a link's root that opens on one side only: the second hinge is softer beyond a threshold angle."""
 
     id = "breathing_crack"
     at = ("link",)
@@ -53,7 +54,7 @@ class BreathingCrack(ModelEffect):
         return tuple(site for site in super().allowed(sites) if site.location["link"] != 5)
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
-        hinge = link_hinges(spec, int(self.location["link"]), "v")[0]
+        hinge = link_hinges(spec, int(self.location["link"]), "v")[1]
         lost = self.values["loss"] * hinge.stiffness[0]
         hinge.stiffness = [hinge.stiffness[0] - lost, *hinge.stiffness[1:]]
         faces = spec.add_tendon(name="crack")

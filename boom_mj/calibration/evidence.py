@@ -15,8 +15,7 @@ from boom_mj.systems.fidelity import Level
 from boom_mj.systems.predictor import Predictor, dataset_of
 
 Array = np.ndarray
-COARSE, MIDDLE, FINE = Level(2.0, 2), Level(1.0, 4), Level(1.0, 6)  # of secants, of what is compared, of its correction
-ORDER = 2  # of convergence in the number of hinges
+COARSE, MIDDLE, FINE = Level(2.0, 2), Level(1.0, 3), Level(1.0, 4)  # of secants, of what is compared, of its correction
 
 
 def predictor_of(machine: Machine, recordings: Sequence[Recording], threads: int | None = None) -> Predictor:
@@ -47,7 +46,7 @@ def predict(predictor: Predictor, variants: Sequence[Variant], level: Level) -> 
 
 
 def model_error(predictor: Predictor, variant: Variant) -> tuple[Array, NoiseModel]:
-    """What finer hinges would add to the prediction, (N,), by Richardson, and the noise with a share of it."""
+    """What finer hinges add to the prediction, (N,), and the noise with a share of it."""
     usual, fine = (predict(predictor, [variant], level)[0] for level in (MIDDLE, FINE))
-    change = (fine - usual) / (1 - (MIDDLE.hinges / FINE.hinges) ** ORDER)
+    change = fine - usual
     return change, noise_model(predictor.data, np.nan_to_num(change), along_share=0.0)

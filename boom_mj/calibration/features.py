@@ -10,7 +10,7 @@ from functools import cache
 
 import numpy as np
 
-from boom_mj.calibration.evidence import COARSE, MIDDLE, ORDER
+from boom_mj.calibration.evidence import COARSE, MIDDLE
 from boom_mj.calibration.parameters import Variant
 from boom_mj.calibration.release import Release, Rest, excited_modes, first_rest, release_of
 from boom_mj.estimation.dataset import Table
@@ -69,10 +69,9 @@ class Features:
         }
 
     def correction(self, variant: Variant) -> Values:
-        """What finest hinges would add to the features of a coarse model."""
+        """What finer hinges add to the features of a coarse model."""
         fine, coarse = self.of(variant, MIDDLE.hinges), self.of(variant, COARSE.hinges)
-        grown = 1 / (1 - (COARSE.hinges / MIDDLE.hinges) ** ORDER)
-        return {kind: grown * (fine[kind] - coarse[kind]) for kind in fine}
+        return {kind: fine[kind] - coarse[kind] for kind in fine}
 
 
 def features_of(tables: Sequence[Table], nominal: Variant) -> Features:

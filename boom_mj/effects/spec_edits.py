@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 
 from boom_mj.machine import Machine
+from boom_mj.machine.shapes import STIFFNESS
 
 ARMATURE = 1.0  # kg m^2, far below any link, so that a mass matrix without the drive's own stays regular
 SLIM = 1e-3  # armature of a series joint over the inertia behind it
@@ -38,10 +39,18 @@ def elastic_hinges(spec: mujoco.MjSpec, machine: Machine) -> Iterator[mujoco.Mjs
 
 
 def stretches(spec: mujoco.MjSpec, machine: Machine, link: int) -> list[tuple[mujoco.MjsBody, float, float]]:
-    """Segments of a link with the x between which they lie, m."""
-    bodies, hinges = link_bodies(spec, link), link_hinges(spec, link, "v")
-    cuts = [-machine.links[link - 2].length, *(float(hinge.pos[0]) for hinge in hinges), 0.0]
+    """Segments of a link with the x between which they lie, m: they meet midway between the bending hinges there."""
+    bodies = link_bodies(spec, link)
+    bending = {hinge.name: hinge for axis in ("v", "w") for hinge in link_hinges(spec, link, axis)}
+    seams = [[hinge.pos[0] for hinge in body.joints if hinge.name in bending] for body in bodies[1:]]
+    cuts = [-machine.links[link - 2].length, *(float(sum(seam) / len(seam)) for seam in seams), 0.0]
     return [(body, start, stop) for body, (start, stop) in zip(bodies, pairwise(cuts))]
+
+
+def bent_by(spec: mujoco.MjSpec, machine: Machine, link: int, axis: str) -> list[tuple[mujoco.MjsJoint, float]]:
+    """Hinges of v or w of a link, each with the length of link whose bend it gathers, m: E I / stiffness."""
+    own = machine.links[link - 2]
+    return [(h, float(STIFFNESS[axis](own, h.pos[0])) / h.stiffness[0]) for h in link_hinges(spec, link, axis)]
 
 
 def add_series_hinge(spec: mujoco.MjSpec, joint: int, name: str) -> mujoco.MjsJoint:

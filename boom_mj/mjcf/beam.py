@@ -6,9 +6,8 @@ import numpy as np
 from boom_mj.machine import Beam
 from boom_mj.mjcf import scene
 from boom_mj.mjcf.builder import set_inertia, stable_step
-from boom_mj.mjcf.hinges import link_chains
+from boom_mj.mjcf.hinges import link_chains, seams
 from boom_mj.mjcf.inertia import segment_inertias
-from boom_mj.mjcf.masses import segment_cuts
 from boom_mj.mjcf.rayleigh import in_tune
 
 
@@ -30,7 +29,7 @@ def build_beam(beam: Beam, hinges: int = 1) -> mujoco.MjSpec:
     chains = link_chains(beam, 0, hinges, ("v", "w"))
     if hinges == 1:
         (chains,) = in_tune(beam, (chains,))
-    cuts = segment_cuts(link, chains)
+    cuts = [seam.place for seam in seams(link, chains)]
     edges, carried = [-link.length, *cuts, 0.0], np.searchsorted(cuts, [marker.position[0] for marker in beam.marker])
     body = spec.worldbody
     for k, inertia in enumerate(segment_inertias(beam, 0, chains)):

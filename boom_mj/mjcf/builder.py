@@ -13,10 +13,9 @@ from scipy.linalg import eigvalsh
 from boom_mj.errors import MachineFileError, numbers_of
 from boom_mj.machine import AXES, Elastic, Machine
 from boom_mj.mjcf import scene
-from boom_mj.mjcf.hinges import HingeChain, hinge_chains
+from boom_mj.mjcf.hinges import HingeChain, hinge_chains, seams
 from boom_mj.mjcf.inertia import RigidInertia, beam_axis, segment_inertias
 from boom_mj.mjcf.keyframes import POSES_DEG, add_keyframes
-from boom_mj.mjcf.masses import segment_cuts
 from boom_mj.mjcf.rayleigh import in_tune
 
 Array = np.ndarray
@@ -121,7 +120,8 @@ def _add_link(
     link, paper = machine.links[index], len(chains["v"].hinges) == 1
     axis = np.array([1.0, 0.0, 0.0]) if paper else beam_axis(machine, index)
     across = {"torsion": axis, "v": np.array([-axis[2], 0.0, axis[0]]), "w": np.array([0.0, -1.0, 0.0])}
-    inertias, cuts = segment_inertias(machine, index, chains), [-link.length, *segment_cuts(link, chains), 0.0]
+    inertias, joints = segment_inertias(machine, index, chains), seams(link, chains)
+    cuts = [-link.length, *(seam.place for seam in joints), 0.0]
     markers = np.array(machine.sensors.markers_x) * link.length
     body = parent
     for k, inertia in enumerate(inertias):
@@ -130,9 +130,9 @@ def _add_link(
         set_inertia(body, inertia)
         if k == 0:
             _add_drive(body, machine, index + 1, -root, np.array([0.0, 0.0, 1.0]))
-        for name in ("v", "w", "torsion") if k else ():
-            hinge = chains[name].hinges[k - 1]
-            joint = body.add_joint(name=chains[name].joint_names[k - 1], axis=across[name])
+        for name, number in joints[k - 1].hinges.items() if k else ():
+            hinge = chains[name].hinges[number]
+            joint = body.add_joint(name=chains[name].joint_names[number], axis=across[name])
             joint.pos = [hinge.position, 0.0, 0.0] if paper else _on_axis(machine, index, hinge.position)
             joint.stiffness[0], joint.damping[0] = hinge.stiffness, hinge.damping
         scene.draw_segment(spec, body, machine, index, k, cuts[k], cuts[k + 1])

@@ -1,31 +1,40 @@
-"""Equivalent hinges: a link's static shape as hinge springs, one chain per elastic coordinate.
+"""Equivalent hinges: the bending and twisting of a link as hinge springs, one chain per elastic coordinate.
 
-A shape zeta(x) is slope gathered along the link. Cut the link into n cells; the slope that cell j gathers becomes
-the angle of one hinge, where its tip displacement is right, with a spring that stores the cell's strain energy:
+A hinge is a point at which the flexibility of a link is sampled. What a load M does to the motion along another, m, is
 
-    gain_j = int_j dzeta',    position_j = int_j x dzeta' / gain_j,    stiffness_j = int_j E I zeta''^2 dx / gain_j^2
+    int M m dC,    dC = dx / E I (G J for torsion),
 
-With one cell this is the hinge at zeta(0) / zeta'(0) from the tip with stiffness K / zeta'(0)^2, and the shape is the
-polynomial (18), so that it meets the reference model (`rayleigh` then tunes it by half a percent). With more cells the
-shape is a static solution itself, so that the chain converges to the continuous beam. Torsion twists about the beam
-axis, where its position is free.
+and n hinges at the nodes of the n-point Gauss rule of dC, each as flexible as its weight, do the same as long as M m is
+a polynomial of degree 2 n - 1: forces at joints from n = 2 on, weight from n = 3 on, however the section tapers,
 
-Link 2 rests on its cylinder pin: what bends between root and pin is slope at the pin, gathered by the cell there.
+    sum_i c_i p(x_i) = int p dC    for all p of degree 2 n - 1,    stiffness_i = 1 / c_i.
+
+In a uniform link these are Gauss-Legendre nodes, and c_i = weight_i / E I. Frequencies follow with the fourth order,
+since masses ride on a polygon, for modes with fewer than about n / 4 waves on a link.
+
+Link 2 rests on its cylinder pin, and between root and pin its moment grows linearly from nothing. So the pin is a node,
+the first of a Radau rule of the span beyond, and what bends before it, int ((x + l) / (pin + l))^2 dC, is slope there.
+
+One hinge is the paper's model: it has the shape zeta (18) in one point, zeta(0) / zeta'(0) from the tip with stiffness
+K / zeta'(0)^2, and `rayleigh` tunes it by half a percent. A twist is about the beam axis, where its position is free.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
-from itertools import pairwise
 
 import numpy as np
-from scipy.integrate import cumulative_trapezoid
 
-from boom_mj.machine import Elastic, ElasticLink, Shape, ritz_shapes, sections, shapes
-from boom_mj.machine.shapes import static_curves
-from boom_mj.machine.statics import StaticCurve
+from boom_mj.machine import Elastic, ElasticLink, ritz_shapes, sections, shapes
+from boom_mj.mjcf.quadrature import gauss_rule, points, radau_rule
 
 Array = np.ndarray
+SAMPLES = 64  # of dC per span: the rules of 32 hinges are exact with smooth sections
+TURNS = ("torsion", "v", "w")
+"""Order of the hinges at every other seam, reversed between.
+
+Finite turns do not commute: one order throughout leaves half a product of two angles at every seam, which in a boom
+bent by its weight is a twist and changes the first lateral frequency with 1 / n, by 0.2 % at n = 4; so it cancels.
+"""
 
 
 @dataclass(frozen=True)
@@ -65,6 +74,36 @@ class HingeChain:
         return np.array([-hinge.position for hinge in self.hinges])
 
 
+@dataclass(frozen=True)
+class Seam:
+    """Where two bodies of a link meet.
+
+    Attributes:
+        place: x, m.
+        hinges: number (from 0) of the hinge of each axis that turns there, in their order from the root.
+    """
+
+    place: float
+    hinges: Mapping[str, int]
+
+
+def seams(link: ElasticLink, chains: Mapping[str, HingeChain]) -> tuple[Seam, ...]:
+    """Seams of a link, root outward.
+
+    Hinges of v and w lie within a hundredth of a link of each other and share a seam midway. Not so on a link that
+    rests on a pin, where each has its own: mass between them would follow both, and the limit would be off by 0.04 %.
+    """
+    v, w = ([hinge.position for hinge in chains[axis].hinges] for axis in ("v", "w"))
+    if len(v) == 1:
+        return (Seam((v[0] + w[0]) / 2, dict.fromkeys(("v", "w", "torsion"), 0)),)
+    turns = [TURNS[:: (-1) ** k] for k in range(len(v))]
+    if link.support is None:
+        return tuple(Seam((v[k] + w[k]) / 2, dict.fromkeys(turn, k)) for k, turn in enumerate(turns))
+    found = [Seam(x, {"v": k}) for k, x in enumerate(v)]
+    found += [Seam(x, {axis: k for axis in turn if axis != "v"}) for k, (x, turn) in enumerate(zip(w, turns))]
+    return tuple(sorted(found, key=lambda seam: seam.place))
+
+
 def hinge_chains(machine: Elastic, count: int) -> tuple[dict[str, HingeChain], ...]:
     """Per link the chains `torsion`, `v` and `w` of `count` hinges each."""
     return tuple(link_chains(machine, index, count, shapes.AXES) for index in range(len(machine.links)))
@@ -72,54 +111,44 @@ def hinge_chains(machine: Elastic, count: int) -> tuple[dict[str, HingeChain], .
 
 def link_chains(machine: Elastic, index: int, count: int, axes: Sequence[str]) -> dict[str, HingeChain]:
     """Chains of `count` hinges each of one link (0 is link 2)."""
-    link = machine.links[index]
-    return {axis: HingeChain(link.name, axis, _hinges(machine, index, axis, count)) for axis in axes}
+    name, found = machine.links[index].name, {}
+    for axis in axes:
+        position, stiffness, gain = (_sampled if count > 1 else _shaped)(machine, index, axis, count)
+        relaxation = machine.damping.relaxation_time + _line_dissipation(machine, index, axis) / (stiffness @ gain**2)
+        rows = np.stack([position, stiffness, gain, relaxation * stiffness], axis=1).tolist()
+        found[axis] = HingeChain(name, axis, tuple(Hinge(*row) for row in rows))
+    return found
 
 
-def cell_edges(link: ElasticLink, count: int) -> Array:
-    """Edges of the cells of a link, (count + 1,), m: their lengths follow the root of the bending stiffness.
-
-    What a chain of hinges lacks in flexibility is the sum of length^3 / E I over its cells, least at this grading.
-    """
-    x = np.linspace(-link.length, 0.0, 401)
-    share = cumulative_trapezoid(sections.bending_stiffness_v(link, x) ** -0.5, x, initial=0.0)
-    return np.interp(np.linspace(0, share[-1], count + 1), share, x)
-
-
-def _hinges(machine: Elastic, index: int, axis: str, count: int) -> tuple[Hinge, ...]:
-    link = machine.links[index]
-    curve: Shape | StaticCurve = (
-        _static_curves(machine, index)[axis] if count > 1 else ritz_shapes(machine)[index][axis]
-    )
-    pin = link.support if axis == "v" and link.support is not None else -link.length
-    stretch = np.hypot(1, link.offset / link.length) if machine.offset_profile.kind == "ramp" and count > 1 else 1.0
-
-    def gathered(start: float, stop: float) -> Array:
-        """Slope, its first moment and the strain energy (doubled) of a stretch, (3,)."""
-        x, weight = _points(start, stop)
-        bend = curve.strain(x)
-        return np.array([weight @ bend, weight @ (bend * x), weight @ (shapes.STIFFNESS[axis](link, x) * bend**2)])
-
-    edges = cell_edges(link, count)
-    inboard = int(np.sum(edges[1:] <= pin))  # cells that lie between root and pin share what is gathered at the pin
-    pin_slope = float(np.squeeze(curve.slope(np.array(pin)))) if pin > -link.length else 0.0
-    at_pin = np.array([pin_slope, pin_slope * pin, gathered(-link.length, pin)[2]]) / (inboard + 1)
-    found = []
-    for number, (start, stop) in enumerate(pairwise(edges)):
-        gain, moment, energy = gathered(max(start, pin), stop) if stop > pin else np.zeros(3)
-        if number <= inboard:
-            gain, moment, energy = np.array([gain, moment, energy]) + at_pin
-        # a ramp's beam is longer than the link by `stretch`, and softer by as much
-        found.append((moment / gain, energy / gain**2 / stretch, gain))
-    strain_energy = sum(stiffness * gain**2 for _, stiffness, gain in found)
-    relaxation = machine.damping.relaxation_time + _line_dissipation(machine, index, axis) / strain_energy
-    return tuple(Hinge(float(x), float(k), float(gain), float(relaxation * k)) for x, k, gain in found)
+def _shaped(machine: Elastic, index: int, axis: str, count: int) -> tuple[Array, Array, Array]:
+    """Position, stiffness and gain of the paper's hinge, (1,) each."""
+    shape = ritz_shapes(machine)[index][axis]
+    gain = 1.0 if axis == "torsion" else float(shape.slope(0.0))
+    twisted = shape.polynomial.integ()
+    position = twisted(-machine.links[index].length) - twisted(0.0) if axis == "torsion" else -1 / gain
+    return np.array([position]), np.array([shape.stiffness / gain**2]), np.array([gain])
 
 
-@lru_cache(maxsize=64)
-def _static_curves(machine: Elastic, index: int) -> Mapping[str, StaticCurve]:
-    """Static solutions between weight and tip load: a tip force of half the last link's weight is added."""
-    return static_curves(machine, index, machine.links[-1].mass * (machine.gravity or 9.81) / 2)
+def _sampled(machine: Elastic, index: int, axis: str, count: int) -> tuple[Array, Array, Array]:
+    """Positions, stiffnesses and gains of hinges at the nodes of the flexibility's rule, (count,) each."""
+    link, shape = machine.links[index], ritz_shapes(machine)[index][axis]
+    stiff, root = shapes.STIFFNESS[axis], -link.length
+    # a ramp's beam is longer than the link, and softer by as much
+    stretch = np.hypot(1, link.offset / link.length) if machine.offset_profile.kind == "ramp" else 1.0
+
+    def flexibility(start: float, stop: float) -> tuple[Array, Array]:
+        x, weight = points(start, stop, SAMPLES)
+        return x, stretch * weight / stiff(link, x)
+
+    if axis == "v" and link.support is not None:
+        position, flexible = radau_rule(link.support, *flexibility(link.support, 0.0), count)
+        x, inboard = flexibility(root, link.support)
+        flexible[0] += inboard @ ((x - root) / (link.support - root)) ** 2
+    else:
+        position, flexible = gauss_rule(*flexibility(root, 0.0), count)
+    bend = flexible * stiff(link, position) * shape.strain(position)
+    reach = np.ones(count) if axis == "torsion" else -position
+    return position, 1 / flexible, bend / (reach @ bend)
 
 
 def _line_dissipation(machine: Elastic, index: int, axis: str) -> float:
@@ -130,8 +159,3 @@ def _line_dissipation(machine: Elastic, index: int, axis: str) -> float:
     if density == 0:
         return 0.0  # spares the shapes
     return density * float(weight @ ritz_shapes(machine)[index][axis](x) ** 2)
-
-
-def _points(start: float, stop: float, order: int = 12) -> tuple[Array, Array]:
-    node, weight = np.polynomial.legendre.leggauss(order)
-    return start + (stop - start) * (node + 1) / 2, (stop - start) / 2 * weight

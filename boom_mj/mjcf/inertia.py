@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from boom_mj.machine import Elastic, ritz_shapes, sections
-from boom_mj.mjcf.hinges import HingeChain
-from boom_mj.mjcf.masses import mass_points, segment_cuts, tuned_masses
+from boom_mj.mjcf.hinges import HingeChain, seams
+from boom_mj.mjcf.masses import mass_points, tuned_masses
 
 Array = np.ndarray
 
@@ -21,8 +21,8 @@ class RigidInertia:
 
 
 def segment_inertias(machine: Elastic, index: int, chains: dict[str, HingeChain]) -> tuple[RigidInertia, ...]:
-    """Inertias of the bodies of one link, root outward: one more than its hinges per coordinate."""
-    cuts = segment_cuts(machine.links[index], chains)
+    """Inertias of the bodies of one link, root outward: one more than its seams."""
+    cuts = np.array([seam.place for seam in seams(machine.links[index], chains)])
     x, mass, inertia = mass_points(machine, index, cuts)
     inside = np.searchsorted(cuts, x)
     bodies = [(x[inside == k], mass[inside == k], float(inertia[inside == k].sum())) for k in range(len(cuts) + 1)]

@@ -8,20 +8,13 @@ entries of the shape functions. With more hinges every mass belongs to the body 
 import numpy as np
 from scipy.optimize import nnls
 
-from boom_mj.machine import Elastic, ElasticLink, ritz_shapes, sections
-from boom_mj.mjcf.hinges import HingeChain, cell_edges
+from boom_mj.machine import Elastic, ritz_shapes, sections
+from boom_mj.mjcf.hinges import HingeChain
 
 Array = np.ndarray
 GRID = 33  # places along a link where tuned masses may sit
 EXACT = 1e5  # weight of the link's own mass and moments against the modal mass entries
 PRIOR_WEIGHT = 1e-3
-
-
-def segment_cuts(link: ElasticLink, chains: dict[str, HingeChain]) -> Array:
-    """Where a link's bodies meet: midway between its bending hinges, as far as they lie in their cells, (n,), m."""
-    edges = cell_edges(link, len(chains["v"].hinges))
-    v, w = (np.array([hinge.position for hinge in chains[axis].hinges]) for axis in ("v", "w"))
-    return (np.clip(v, edges[:-1], edges[1:]) + w) / 2
 
 
 def mass_points(machine: Elastic, index: int, cuts: Array) -> tuple[Array, Array, Array]:

@@ -11,8 +11,8 @@ import numpy as np
 
 from boom_mj.machine import Elastic, ritz_shapes, sections
 from boom_mj.machine.statics import outboard_load
-from boom_mj.mjcf.hinges import HingeChain
-from boom_mj.mjcf.masses import mass_points, segment_cuts, tuned_masses
+from boom_mj.mjcf.hinges import HingeChain, seams
+from boom_mj.mjcf.masses import mass_points, tuned_masses
 
 Chains = tuple[dict[str, HingeChain], ...]
 
@@ -38,7 +38,7 @@ def _energy_ratio(machine: Elastic, chains: Chains, axis: str) -> float:
         work = weight @ (sections.line_mass(link, x) * shape(x)) + load.force + load.moment * shape.slope(0.0)
         bend = float(work / shape.stiffness)  # the link's Ritz coordinate under weight, by virtual work
 
-        x, mass, _ = mass_points(machine, index, segment_cuts(link, chains[index]))
+        x, mass, _ = mass_points(machine, index, np.array([seam.place for seam in seams(link, chains[index])]))
         shaped += float(mass @ (shift + turn * (x + link.length) + bend * shape(x)) ** 2)
         for (place, part), moves in zip(tuned_masses(machine, index, chains[index], x, mass), (0.0, 1.0)):
             swing = moves * hinge.gain * (place - hinge.position)

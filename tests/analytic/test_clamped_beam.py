@@ -45,23 +45,23 @@ def frequency_errors(hinges: int) -> np.ndarray:
     return np.sqrt(eigh(stiffness, mass, eigvals_only=True)[:2]) / theory - 1
 
 
-@pytest.mark.parametrize("hinges", range(4, 9))
+@pytest.mark.parametrize("hinges", range(3, 9))
 def test_the_first_frequency(hinges: int) -> None:
-    assert abs(frequency_errors(hinges)[0]) < 0.01
+    assert abs(frequency_errors(hinges)[0]) < 5e-4  # found: three are 0.048 % off, four 0.006 %
 
 
-def test_frequencies_converge_with_the_square_of_the_hinges() -> None:
-    assert np.log2(frequency_errors(8) / frequency_errors(16)) == pytest.approx(2, abs=0.1)
+def test_frequencies_converge_with_the_fourth_power_of_the_hinges() -> None:
+    assert np.log2(frequency_errors(8) / frequency_errors(16)) == pytest.approx(4, abs=0.25)
 
 
-@pytest.mark.parametrize("hinges", [4, 8])
+@pytest.mark.parametrize("hinges", [3, 8])
 def test_it_sags_as_it_should(hinges: int) -> None:
     """rho A g L^4 / 8 E I, 6.6 mm."""
     found, (_, stiffness, torque) = beam(), matrices(beam(), hinges)
     link, model = found.links[0], build_beam(beam(), hinges).compile()
     reach = np.array([-model.joint(f"beam/{k + 1}").pos[0] for k in range(hinges)])
     sag = link.mass * found.gravity * link.length**3 / 8 / bending_stiffness(found)
-    assert float(reach @ np.linalg.solve(stiffness, torque)) == pytest.approx(-sag, rel=0.01)
+    assert float(reach @ np.linalg.solve(stiffness, torque)) == pytest.approx(-sag, rel=1e-9)
 
 
 def test_it_points_where_the_file_says() -> None:
@@ -76,7 +76,7 @@ def test_it_points_where_the_file_says() -> None:
 
 
 def test_the_model_of_the_real_beam_is_what_the_generator_writes() -> None:
-    spec = build_beam(beam(), 8)
+    spec = build_beam(beam(), 4)
     spec.compile()
     assert spec.to_xml() == (REAL / "clamped_beam.xml").read_text()
 

@@ -107,7 +107,7 @@ def test_ritz_coordinates_are_read_back(hinges, kind):
     shapes = model.boom.shape_matrix(model.model)
     elastic = np.random.default_rng(5).normal(size=(12, 20)) * np.tile([0.02, 0.2, 0.2], 4)[:, None]
     error = np.abs(model.ritz @ shapes @ elastic - elastic) / np.abs(elastic).max(axis=1, keepdims=True)
-    assert error.max() < (1e-9 if hinges == 1 else 1e-3)  # one hinge: the definition; more: quadrature of the BVP
+    assert error.max() < 1e-9
     assert np.linalg.matrix_rank(shapes) == 12
 
 

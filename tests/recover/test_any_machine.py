@@ -115,7 +115,7 @@ def test_dry_friction_comes_back_and_not_as_damping() -> None:
 
 def test_dry_friction_that_is_withheld_is_no_damping() -> None:
     dry = ("coulomb_friction", "dry_and_viscous_friction", "asymmetric_friction", "stribeck_friction", "load_friction")
-    kin = (*dry, "dead_zone", "backlash")
+    kin = (*dry, "directional_friction", "dead_zone", "asymmetric_dead_zone", "backlash")
     found = answer(friction=0.3, without=kin)
     assert found["verdict"] == "unexplained", found["sentence"]
 

@@ -28,4 +28,5 @@ class PipeConcrete(ModelEffect):
                 length = stop - start
                 concrete = body.add_body(name=f"concrete_{body.name}", explicitinertial=True)
                 concrete.mass, concrete.ipos = density * length, [(start + stop) / 2, 0, 0]
-                concrete.inertia = concrete.mass * np.array([RADIUS**2, length**2 / 12, length**2 / 12])
+                across = length**2 / 12 + RADIUS**2 / 2
+                concrete.inertia = concrete.mass * np.array([RADIUS**2, across, across])

@@ -1,11 +1,10 @@
 """A link bent by the sun."""
 
-from itertools import pairwise
-
 import mujoco
+import numpy as np
 
 from boom_mj.effects import ModelEffect, Parameter
-from boom_mj.effects.spec_edits import link_hinges
+from boom_mj.effects.spec_edits import bent_by
 from boom_mj.machine import Machine
 
 
@@ -22,10 +21,11 @@ class ThermalBending(ModelEffect):
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         if self.values["displacement"] == 0:
             return
-        link = int(self.location["link"])
-        hinges = link_hinges(spec, link, str(self.location["axis"]))
-        at = [float(hinge.pos[0]) for hinge in hinges]
-        edges = [-machine.links[link - 2].length, *((a + b) / 2 for a, b in pairwise(at)), 0.0]
-        lever = sum(-x * (stop - start) for x, (start, stop) in zip(at, pairwise(edges)))
-        for hinge, (start, stop) in zip(hinges, pairwise(edges)):
-            hinge.springref = hinge.springref + self.values["displacement"] / lever * (stop - start)
+        number, axis = int(self.location["link"]), str(self.location["axis"])
+        link, hinges = machine.links[number - 2], bent_by(spec, machine, number, axis)
+        shares = np.array([length for _, length in hinges])
+        if axis == "v" and link.support is not None:  # what is bent evenly between root and pin: L / 2, by loads L / 3
+            shares[0] += (link.length + link.support) / 6
+        angles = self.values["displacement"] * shares / -sum(h.pos[0] * share for (h, _), share in zip(hinges, shares))
+        for (hinge, _), angle in zip(hinges, angles):
+            hinge.springref += angle

@@ -40,11 +40,10 @@ from boom_mj.systems.system import (
 )
 
 Array = np.ndarray
-ROUGH, COARSE, MIDDLE = (Level(2.0, hinges) for hinges in (1, 2, 4))
-FINE, SHARP = Level(2.0, 6), Level(1.0, 4)  # more hinges, half the step
-REFINED = 1 / (1 - (MIDDLE.hinges / FINE.hinges) ** 2)  # of second order in the hinges, of first in the step
+ROUGH = COARSE = Level(4.0, 2)
+MIDDLE, FINE, SHARP = Level(2.0, 3), Level(2.0, 4), Level(1.0, 3)  # more hinges, half the step: of first order in it
 FIDELITY = FidelityLadder(
-    ROUGH, COARSE, MIDDLE, (Refinement(FINE, REFINED, REFINED), Refinement(SHARP, 2.0, 1.0)), SHARP, along=0.5
+    ROUGH, COARSE, MIDDLE, (Refinement(FINE, 1.0, 1.0), Refinement(SHARP, 2.0, 1.0)), SHARP, along=0.5
 )
 BLOCK_S, CORRELATION_S = 0.1, 5.0
 BANDS_HZ = (("static", 0.2), ("first mode", 0.8), ("second mode", 2.5), ("above", np.inf))
