@@ -120,7 +120,9 @@ def test_calibrate(ask: Ask, log: Path, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_gap_diagnose(ask: Ask, log: Path, tmp_path: Path) -> None:
-    answer = ask("gap diagnose", log, "--json", tmp_path / "a.json", file=tmp_path / "a.json")
+    unseen, file = tmp_path / "unseen.mcap", tmp_path / "a.json"
+    ask("simulate", "boom36", "slew_t", "-o", unseen, "--effect", "tip_payload:mass=40", "--seed", 1, "--json")
+    answer = ask("gap diagnose", log, "--holdout", unseen, "--json", file, file=file)
     assert answer["verdict"] == "explained" and answer["effects"][0]["id"] == "tip_payload"
 
 
