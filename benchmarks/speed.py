@@ -109,7 +109,11 @@ def stages(machine: Machine) -> list[tuple[str, float]]:
         files = ["-o", f"{folder}/twin.mcap", "--picture", f"{folder}/twin.png"]
         call = ["-m", "boom_mj", "replay", str(LOG)]
         python, imports, whole, written = costs(
-            command("-c", "pass"), command("-c", "import boom_mj.cli"), command(*call), command(*call, *files), turns=3
+            command("-c", "pass"),
+            command("-c", "import boom_mj.cli, boom_mj.replay.quality"),
+            command(*call),
+            command(*call, *files),
+            turns=3,
         )
     reading, building, judging, smoothing, replaying, loop = costs(
         lambda: read_log(LOG),

@@ -4,6 +4,9 @@
 `hindsight` tells of misses whether the search or the model is to blame.
 """
 
+from boom_mj.engine import mujoco as _mujoco  # noqa: F401  # isort: skip
+
+
 from boom_mj.blind.figures import Score as Score
 from boom_mj.blind.figures import pooled as pooled
 from boom_mj.blind.figures import score as score

@@ -12,6 +12,7 @@ import numpy as np
 from boom_mj.cameras.intrinsics import Intrinsics
 from boom_mj.cameras.studio import choose_headless, open_renderer
 from boom_mj.cameras.video import write_video
+from boom_mj.cameras.yard import in_yard
 from boom_mj.recording import Recording
 from boom_mj.simulation import Trajectory
 from boom_mj.spreading import results
@@ -24,7 +25,8 @@ SIZE = (1280, 720)
 MARGIN = 1.12  # of the picture's edges about what moves
 TRUCK = ((-8.5, -2.0, 0.0), (3.5, 2.0, 0.0))  # what is in the picture besides the boom, m
 MEASURED, SIMULATED, WHITE = (34, 34, 34), (0, 94, 213), (255, 255, 255)  # as OpenCV orders colours
-DOT = 4.5  # px, radius
+DOT = 6.0  # px, radius
+GLASS = 0.35  # opacity of a ground that the boom is bent into
 
 Eye = tuple[Array, float, float, float]
 """Where the camera looks, (3,) m, its distance, m, azimuth and elevation, deg, as MuJoCo's free camera."""
@@ -60,23 +62,25 @@ def reel_of(motion: Trajectory, log: Recording | None, title: str, exaggerate: f
         exaggerate: factor on what elastic hinges turn, and on measured - simulated.
         speed: in times real time.
     """
-    plant, model = motion.plant, motion.plant.model
+    plant, model = motion.plant, in_yard(motion.plant.boom)
     time = np.arange(0.0, motion.time[-1] + 1e-9, speed / RATE)
     steps = _steps(motion, time)
     qpos = motion.qpos[steps].copy()
     qpos[:, plant.elastic] *= exaggerate
-    measured = shown = np.zeros((len(time), 0, 3))
+    measured = simulated = np.zeros((len(time), 0, 3))
+    shown = np.array([plant.markers(row) for row in qpos])
     if log is not None and "markers" in log:
         signal = log["markers"]
         stamps = signal.time - log["joint/position"].time[0]
         at = np.abs(stamps[:, None] - time).argmin(axis=0)  # (n,)
         seen = signal.values[at].reshape(len(time), -1, 3)
         then = np.array([plant.markers(motion.qpos[step]) for step in _steps(motion, stamps[at])])
-        shown = np.array([plant.markers(row) for row in qpos])
-        measured = shown + exaggerate * (seen - then)
+        simulated, measured = shown, shown + exaggerate * (seen - then)
+    if (shown[..., 2] < 0).any():
+        model.mat_rgba[model.material("ground").id, 3] = GLASS
     if exaggerate != 1:
         title += f", deflection x {exaggerate:g}"
-    return Reel(model, time, qpos, measured, shown, title, _eye(model, qpos, float(np.mean(motion.joints[:, 0]))))
+    return Reel(model, time, qpos, measured, simulated, title, _eye(model, qpos, float(np.mean(motion.joints[:, 0]))))
 
 
 def _steps(motion: Trajectory, time: Array) -> Array:
@@ -118,17 +122,17 @@ def _shoot(start: int, reel: Reel) -> list[Array]:
             mujoco.mj_camlight(model, data)
             renderer.update_scene(data, camera)
             picture = cv2.cvtColor(renderer.render(), cv2.COLOR_RGB2BGR)
-            for points, colour in ((reel.measured, MEASURED), (reel.simulated, SIMULATED)):
-                _dots(picture, _pixels(reel.eye, model.vis.global_.fovy, points[k]), colour)
+            for points, colour, radius in ((reel.measured, MEASURED, DOT), (reel.simulated, SIMULATED, DOT / 2)):
+                _dots(picture, _pixels(reel.eye, model.vis.global_.fovy, points[k]), colour, radius)
             _caption(picture, f"{reel.title}   {reel.time[k]:6.1f} s", bool(len(reel.measured[k])))
             found.append(cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, 95])[1])
     return found
 
 
-def _dots(picture: Array, pixels: Array, colour: tuple[int, int, int]) -> None:
+def _dots(picture: Array, pixels: Array, colour: tuple[int, int, int], radius: float) -> None:
     for x, y in np.round(pixels * 16).astype(int):
-        for radius, shade in ((DOT + 1.5, WHITE), (DOT, colour)):
-            cv2.circle(picture, (x, y), round(radius * 16), shade, -1, cv2.LINE_AA, 4)
+        for size, shade in ((radius + 1, WHITE), (radius, colour)):
+            cv2.circle(picture, (x, y), round(size * 16), shade, -1, cv2.LINE_AA, 4)
 
 
 def _caption(picture: Array, text: str, dots: bool) -> None:

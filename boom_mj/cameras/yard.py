@@ -6,6 +6,8 @@ import mujoco
 import numpy as np
 from scipy.ndimage import map_coordinates
 
+from boom_mj.mjcf import BoomModel
+
 Array = np.ndarray
 SUN, GROUND = "sun", "slabs"
 SUN_AWAY = 45.0  # m; its rays are parallel, but shadows are thrown from a place
@@ -56,6 +58,13 @@ def add_yard(spec: mujoco.MjSpec, reach: float) -> None:
     spec.visual.headlight.specular = [0, 0, 0]
     spec.visual.rgba.haze = [*HORIZON, 1]
     sun.pos, spec.visual.map.shadowclip = spec.stat.center - SUN_AWAY * np.array(sun.dir), 2.5
+
+
+def in_yard(boom: BoomModel) -> mujoco.MjModel:
+    """A boom in its yard, to be looked at: same coordinates, nothing that labels or tracking need."""
+    spec = boom.spec.copy()
+    add_yard(spec, sum(link.length for link in boom.machine.links))
+    return spec.compile()
 
 
 def add_picture(spec: mujoco.MjSpec, name: str, picture: Array) -> None:

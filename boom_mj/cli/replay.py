@@ -4,6 +4,7 @@ import json
 import math
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -61,9 +62,11 @@ def command(
     print(f"{recording.name}: {quality.summary()}", file=sys.stderr)
     for remark in quality.remarks():
         print(f"warning: {remark}", file=sys.stderr)
-    with last_states_beside(output):
-        result = replay(plant, recording)
-    with ThreadPoolExecutor(1) as worker:  # half of writing is compressing, which lets the picture be drawn meanwhile
+    with ThreadPoolExecutor(1) as worker:  # works while MuJoCo computes, and while the picture is drawn
+        if picture is not None:
+            worker.submit(import_module, "boom_mj.report.overlay")
+        with last_states_beside(output):
+            result = replay(plant, recording)
         writing = None
         if output is not None:
             scene = boom_scene(result.trajectory, recording["joint/position"].time[0])

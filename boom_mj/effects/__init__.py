@@ -1,5 +1,8 @@
 """What can differ from the nominal machine: the theory in `base`, one small file per effect in `library/`."""
 
+from boom_mj.engine import mujoco as _mujoco  # noqa: F401  # isort: skip
+
+
 from boom_mj.effects.base import ActuatorEffect as ActuatorEffect
 from boom_mj.effects.base import AngleEffect as AngleEffect
 from boom_mj.effects.base import Array as Array

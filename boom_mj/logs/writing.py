@@ -145,7 +145,7 @@ def _write(
 
     def write_one(stamp: int, name: str, message: Any, sequence: int) -> None:
         record = record_of(channels[name], stamp, sequence, serialise(message))
-        container.messages([record], np.array([channels[name]]), np.array([stamp]))
+        container.messages([record], np.array([len(record)]), np.array([channels[name]]), np.array([stamp]))
 
     register({column.name: column.ros_type for column in columns} | (SCENE_TYPES if scene else {}))
     if scene:
@@ -162,6 +162,7 @@ def _write(
 def _write_columns(container: Container, columns: list[_Column], channels: Mapping[str, int]) -> None:
     """Write messages in the order of their stamps, a block at a time; equal stamps in the order of the columns."""
     serialisers = [Serialiser(column.pack, column.numbers.shape[1]) for column in columns]
+    sizes = np.array([serialiser.size for serialiser in serialisers])
     when = np.concatenate([column.stamps for column in columns])  # (N,) over all messages, ns
     which = np.repeat(np.arange(len(columns)), [column.stamps.size for column in columns])
     order = np.lexsort((which, when))
@@ -176,4 +177,4 @@ def _write_columns(container: Container, columns: list[_Column], channels: Mappi
             found = serialiser.records(numbers[c], column.stamps[part], column.numbers[part], part.start)
             records[of] = np.array([*found, None], object)[:-1]  # without the None, bytes would become an "S" array
             done[c] = part.stop
-        container.messages(records.tolist(), numbers[which[block]], when[block])
+        container.messages(records.tolist(), sizes[which[block]], numbers[which[block]], when[block])

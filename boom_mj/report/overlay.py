@@ -19,7 +19,7 @@ from boom_mj.report.drawing import STYLE, envelope, gap_axis
 from boom_mj.sensors import boom_lines
 
 Array = np.ndarray
-PANELS = 4
+PANELS, NAMED = 4, 22  # channel groups that are drawn, and named
 BAND, PALE = "#9fc5e8", "#a9b0bc"  # of noise, over what it hides; of the shape at the start
 UNITS = {"N": ("kN", 1e-3), "rad/s": ("mrad/s", 1e3), "m/s^2": ("m/s²", 1.0)}  # on an axis, and factor
 RESIDUAL_UNITS = {**UNITS, "m": ("mm", 1e3)}
@@ -30,7 +30,7 @@ def draw_overlay(replay: Replay, path: Path) -> None:
     """Write `overlay` as a PNG."""
     figure = overlay(replay)
     with whole_file(path) as stream:
-        figure.savefig(stream, format="png", dpi=DPI, pil_kwargs={"compress_level": 3})
+        figure.savefig(stream, format="png", dpi=DPI, pil_kwargs={"compress_level": 1})
 
 
 def overlay(replay: Replay) -> Figure:
@@ -133,30 +133,34 @@ def _draw_shapes(axes: Axes, replay: Replay, worst: float | None) -> None:
             axes.plot(reach[k], points[k, :, 2], style, color=shade, lw=1.6 if style == "-" else 0.9, label=named)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.12)
-    _title(axes, "shape (dots: rigid)")
+    _title(axes, "shape")
     solid = axes.get_lines()[len(moments) :]
     place: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.03, 0.985), "columnspacing": 1.0}
     axes.legend(handles=solid, ncols=3, frameon=False, handlelength=1.0, fontsize=8, **place)
-    axes.set_xlabel("from the slewing axis, m", labelpad=1)
+    axes.set_xlabel("from the slewing axis, m   (dotted: rigid)", labelpad=1)
     axes.set_ylabel("height, m")
     axes.grid()
 
 
 def _draw_ratios(axes: Axes, groups: tuple[Group, ...]) -> None:
-    known = sorted((g for g in groups if np.isfinite(g.ratio)), key=lambda group: group.ratio)
+    known = sorted((g for g in groups if np.isfinite(g.ratio)), key=lambda group: -group.ratio)
     if not known:
         axes.set_axis_off()
         axes.text(0.5, 0.5, "the log has nothing to compare\nbut its joint angles", ha="center", color=QUIET)
         return
-    ratios = np.array([group.ratio for group in known])
-    bars = axes.barh(np.arange(len(known)), ratios, color=NOMINAL, height=0.7, alpha=0.4)
-    bars[-1].set_alpha(1.0)
+    shown, left = known[:NAMED], known[NAMED:]
+    rows, ratios = [-float(k) for k in range(len(shown))], np.array([group.ratio for group in shown])
+    axes.barh(rows[:1], ratios[:1], color=NOMINAL, height=0.7)
+    axes.hlines(rows[1:], 1e-3, ratios[1:], color=NOMINAL, alpha=0.4, linewidth=9.0)
     gap_axis(axes, ratios)
     axes.set_yticks([])
-    place: dict[str, Any] = {"transform": axes.get_yaxis_transform(), "ha": "right", "va": "center", "fontsize": 6.8}
-    for k, group in enumerate(known):  # as texts, which take a fifth of the time of ticks
-        axes.text(-0.015, k, group.name, fontweight="bold" if group is known[-1] else "normal", **place)
-    axes.set_ylim(-0.7, len(known) - 0.3)
+    place: dict[str, Any] = {"transform": axes.get_yaxis_transform(), "ha": "right", "va": "center", "fontsize": 7.2}
+    for row, group in zip(rows, shown):  # as texts, which take a fifth of the time of ticks
+        axes.text(-0.015, row, group.name, fontweight="bold" if row == 0 else "normal", **place)
+    if left:
+        text = f"{len(left)} more, {left[0].ratio:.3g} at most"
+        axes.text(-0.015, -len(shown), text, color=QUIET, **place)
+    axes.set_ylim(-len(shown) - 0.6, 0.7)
     _title(axes, "rms residual / noise of the sensor")
 
 

@@ -12,7 +12,7 @@ from boom_mj.simulation import Trajectory
 
 Pose = tuple[np.ndarray, np.ndarray]
 RATE = 20.0  # Hz
-PIECES = 8  # of a link, as it is drawn
+PIECES = 6  # of a link, as it is drawn
 FACES = (0, 3, 2, 0, 1, 3, 4, 7, 5, 4, 6, 7, 0, 5, 1, 0, 4, 5, 2, 7, 6, 2, 3, 7, 0, 6, 4, 0, 2, 6, 1, 7, 3, 1, 5, 7)
 """Corners of the twelve triangles of a box, outward, as `box_corners` counts them."""
 
@@ -20,7 +20,7 @@ FACES = (0, 3, 2, 0, 1, 3, 4, 7, 5, 4, 6, 7, 0, 5, 1, 0, 4, 5, 2, 7, 6, 2, 3, 7,
 def boom_scene(trajectory: Trajectory, start: float = 0.0, fixed: Mapping[str, Pose] | None = None) -> Scene:
     """The boom as frames and boxes, sampled at RATE; the frames are the same for any number of hinges.
 
-    base and turret; link2, .. at the roots; link2_1 .. link2_8, on which the pieces of the box hang, from the root
+    base and turret; link2, .. at the roots; link2_1 .. link2_6, on which the pieces of the box hang, from the root
     outward; link2_tip, .. as the IMUs have it. All of a link's frames are its link-tip frame on that body.
 
     Args:

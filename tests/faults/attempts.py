@@ -20,7 +20,14 @@ import boom_mj.calibration
 import boom_mj.cameras.chain
 import boom_mj.cameras.render
 import boom_mj.diagnosis
-import boom_mj.report
+import boom_mj.logs.inspection
+import boom_mj.logs.proposal
+import boom_mj.replay.quality
+import boom_mj.report.calibration
+import boom_mj.report.diagnosis
+import boom_mj.report.overlay
+import boom_mj.simulation.agreement
+import boom_mj.sweeping
 import boom_mj.systems.mjcf  # noqa: F401  # what commands import when they are called, so that a fork has it
 from boom_mj.cli import run
 

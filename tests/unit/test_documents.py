@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 import typer
+from mcap.reader import make_reader
 from opengl import can_render
 
 import boom_mj.blind
@@ -119,9 +120,19 @@ def test_calibrate(ask: Ask, log: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_gap_diagnose(ask: Ask, log: Path, tmp_path: Path) -> None:
-    answer = ask("gap diagnose", log, "--json", tmp_path / "a.json", file=tmp_path / "a.json")
-    assert answer["verdict"] == "explained" and answer["effects"][0]["id"] == "tip_payload"
+def test_gap_diagnose(ask: Ask, tmp_path: Path) -> None:
+    taught, unseen, file = tmp_path / "taught.mcap", tmp_path / "unseen.mcap", tmp_path / "a.json"
+    fault = ("--hinges", 4, "--effect", "pressure_scale:cylinder=3,factor=1.05", "--json")
+    ask("simulate", "boom36", "release_bow_vertical", "-o", taught, *fault)
+    ask("simulate", "boom36", "slew_t", "-o", unseen, *fault)
+    words = (taught, "--holdout", unseen, "--predictions", tmp_path / "twins", "--json", file)
+    answer = ask("gap diagnose", *words, file=file)
+    assert answer["verdict"] == "explained" and answer["effects"][0]["id"] == "pressure_scale"
+    with (tmp_path / "twins" / "unseen.nominal.mcap").open("rb") as stream:
+        summary = make_reader(stream).get_summary()
+    assert summary is not None
+    topics = {channel.topic for channel in summary.channels.values()}
+    assert {"/markers", "/measured/markers", "/residual/markers", "/residual/cylinder_states"} <= topics
 
 
 def test_gap_effects(ask: Ask) -> None:
