@@ -56,6 +56,7 @@ class Diagnosis:
 
     @property
     def criteria(self) -> Criteria:
+        """What decided."""
         return self.model.criteria
 
     @property

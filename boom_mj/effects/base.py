@@ -32,7 +32,9 @@ if TYPE_CHECKING:
     from boom_mj.machine import Machine
 
 Array = np.ndarray
+"""Of numbers; shapes stand in docstrings."""
 Values = Mapping[str, float]
+"""Sizes of parameters by name, in their units."""
 INVERSIONS = 8  # of an angle sensor's error, a hundredth of it or less from one to the next
 Cause = tuple[str, tuple[tuple[str, int | str], ...]]  # id and site, without sizes
 

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 Location = Mapping[str, int | str]
+"""A place by key, such as {"link": 3, "axis": "w"}."""
 
 
 @dataclass(frozen=True)

@@ -112,7 +112,7 @@ def test_what_no_training_recording_shows_is_learnt_from_a_part_of_one_held_out(
     answer = document(found, ("release_bow_vertical", *sideways))
     assert [effect["id"] for effect in answer["effects"]] == ["slew_compliance"], answer["sentence"]
     assert answer["verdict"] == "explained" and answer["gap"]["closure"] > 0.9
-    (extended,) = answer["provenance"]["recordings"]["learnt_in_part"]
+    (extended,) = answer["provenance"]["recordings"]["trained_in_part"]
     assert extended in sideways
     assert answer["effects"][0]["parameters"]["stiffness"]["value"] == pytest.approx(1e8, rel=0.05)
 

@@ -271,7 +271,7 @@ def test_a_part_of_a_recording_held_out_that_trained_as_well_is_told() -> None:
     noise = replace(found.model.noise, data=extended.data)
     found = replace(found, model=replace(found.model.with_noise(noise), predictor=extended))
     answer = document(found, NAMES)
-    assert answer["provenance"]["recordings"]["learnt_in_part"] == [HOSTILE]
+    assert answer["provenance"]["recordings"]["trained_in_part"] == [HOSTILE]
     assert f"the first 60% of {HOSTILE} trained as well" in sentence(found)
     parts = [View(found, NAMES, answer).part(k) for k in range(3)]
     assert parts == ["training", "held out", "training: the first 60\N{NO-BREAK SPACE}%; the rest held out"]
