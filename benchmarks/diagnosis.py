@@ -13,6 +13,7 @@ from threading import Lock
 
 from boom_mj.cli.arguments import find_machine
 from boom_mj.diagnosis import diagnose
+from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.screening import Screening
 from boom_mj.estimation.dataset import Dataset
 from boom_mj.estimation.linear import LinearPosterior
@@ -62,7 +63,7 @@ def main() -> None:
             flush=True,
         )
 
-    answer = diagnose(predictor, tell=tell)
+    answer = diagnose(predictor, clock=Clock(tell=tell))
     tell(answer.verdict)
     for name, seconds in SPENT.most_common():
         print(f"{seconds:7.1f} s CPU in {CALLS[name]:6d} calls: {name}")

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from boom_mj.cli.arguments import find_machine
 from boom_mj.diagnosis import diagnose, document
+from boom_mj.diagnosis.clock import Clock
 from boom_mj.files import write_text
 from boom_mj.logs import read_log
 from boom_mj.systems.boom import BoomSystem
@@ -25,7 +26,8 @@ def answer_of(case: Path) -> dict:
     recordings = [read_log(path) for path in (*train, *held_out)]
     system = BoomSystem(find_machine(recordings[0].machine))
     predictor = Predictor(system, dataset_of(system, recordings, len(train)))
-    found = diagnose(predictor, tell=lambda line: print(f"  {time.perf_counter() - began:6.1f} s  {line}", flush=True))
+    clock = Clock(tell=lambda line: print(f"  {time.perf_counter() - began:6.1f} s  {line}", flush=True))
+    found = diagnose(predictor, clock=clock)
     answer = document(found, [path.stem for path in (*train, *held_out)])
     return {**answer, "wall_s": time.perf_counter() - began}
 

@@ -57,7 +57,10 @@ class Candidate:
         return steps, [self.at(scaled + step * row) for step, row in zip(steps, np.eye(len(steps)))]
 
     def simpler(self) -> Iterator["Candidate"]:
-        """Without one of several effects, or with one where it has fewer parameters, as roll for roll and pitch."""
+        """Without one of several effects, or with one where it has fewer parameters, as roll for roll and pitch.
+
+        Or with a special case of it that has fewer.
+        """
         for one in self.effects:
             others, kind = tuple(e for e in self.effects if e is not one), type(one)
             if others:
@@ -66,6 +69,10 @@ class Candidate:
                 names = set(kind.free(site))
                 if names < set(kind.free(one.site)):
                     yield Candidate((*others, kind(site, **{name: one.values[name] for name in names})))
+            for case in (effect_library()[name] for name in kind.special_cases if name in effect_library()):
+                names = set(case.parameters(one.site)) & set(one.values)
+                if len(case.free(one.site)) < len(kind.free(one.site)):
+                    yield Candidate((*others, case(one.site, **{name: one.values[name] for name in names})))
 
     @property
     def places(self) -> tuple[Cause, ...]:

@@ -51,5 +51,6 @@ def model() -> Linearisation:
         mean_error=error,
         posterior=LinearPosterior(NoiseModel(data, weight, fidelity.along * error), columns),
         nuisances=nuisances,
+        all_nuisances=nuisances,
         criteria=BOOM,
     )

@@ -7,6 +7,7 @@ from pytest import MonkeyPatch, mark
 
 from boom_mj.diagnosis import stages
 from boom_mj.diagnosis.candidate import Candidate
+from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.criteria import BOOM, SearchBudget
 from boom_mj.diagnosis.decision import choose, solved
 from boom_mj.diagnosis.fitting import Fit
@@ -47,7 +48,7 @@ def test_beside_what_suffices_another_is_tried_where_one_may_hide(
     monkeypatch.setattr(stages, "_partners", lambda *given: [SimpleNamespace(share=promised)])
     monkeypatch.setattr(stages, "_paired", lambda found, *given: [pair, *found])
     monkeypatch.setattr(stages, "_simplified", lambda found, nominal: found)
-    assert (pair in stages.combined([scored(left, PAYLOAD)], NOMINAL, (), print, 2)) == looks
+    assert (pair in stages.combined([scored(left, PAYLOAD)], NOMINAL, (), Clock(), 2)) == looks
 
 
 def test_a_second_cause_closes_half_of_what_the_first_leaves() -> None:

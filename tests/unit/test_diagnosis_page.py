@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from boom_mj.diagnosis import Diagnosis, document
+from boom_mj.diagnosis.budget import odds
 from boom_mj.diagnosis.candidate import Candidate
 from boom_mj.diagnosis.criteria import BOOM as CRITERIA
 from boom_mj.diagnosis.decision import explains
@@ -76,6 +77,7 @@ def model_of(training: int) -> Linearisation:
         mean_error=none,
         posterior=LinearPosterior(noise, np.zeros((len(none), len(nuisances)))),
         nuisances=nuisances,
+        all_nuisances=nuisances,
         criteria=CRITERIA,
     )
 
@@ -109,7 +111,9 @@ def diagnosis(case: str, training: int = 2) -> Diagnosis:
     share = held_out_closure(model, nominal, best.fit.residual if best else nominal)
     following = "release_bow_vertical" if ties else None
     screened = tuple(Screened(Candidate(effects), 0.3) for effects in (PAYLOAD, (make_effect("end_hose", {}),)))
-    return Diagnosis(verdict, best, found, ties, screened, nominal, share, 0.1, following, model)
+    return Diagnosis(
+        verdict, best, found, ties, screened, nominal, share, 0.1, following, model, odds(nominal, found, model)
+    )
 
 
 @cache
