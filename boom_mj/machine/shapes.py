@@ -67,14 +67,10 @@ def ritz_shapes(machine: Elastic) -> tuple[Mapping[str, Shape], ...]:
     return tuple(found)
 
 
-def static_curves(machine: Elastic, index: int, tip_force: float = 0.0) -> Mapping[str, StaticCurve]:
-    """Static solutions `torsion`, `v` and `w` of link `index` (0 is link 2), each 1 at its tip.
-
-    Args:
-        tip_force: that pulls at the end of the boom besides its weight, N.
-    """
+def static_curves(machine: Elastic, index: int) -> Mapping[str, StaticCurve]:
+    """Static solutions `torsion`, `v` and `w` of link `index` (0 is link 2), each 1 at its tip."""
     link, gravity = machine.links[index], machine.gravity or 9.81  # a weightless boom has the shape of a heavy one
-    load = statics.outboard_load(machine, index, gravity, tip_force)
+    load = statics.outboard_load(machine, index, gravity)
     curves = {
         "torsion": statics.torsion(link),
         "v": statics.bending(link, sections.bending_stiffness_v, load, gravity, link.support),

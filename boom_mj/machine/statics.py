@@ -25,8 +25,8 @@ class TipLoad:
     moment: float
 
 
-def outboard_load(machine: Elastic, index: int, gravity: float, tip_force: float = 0.0) -> TipLoad:
-    """Weight of everything outboard of link `index` (0 is link 2), and of `tip_force` (N) at the end of the boom."""
+def outboard_load(machine: Elastic, index: int, gravity: float) -> TipLoad:
+    """Weight of everything outboard of link `index` (0 is link 2)."""
     force = moment = reach = 0.0
     for link, points in zip(machine.links[index + 1 :], machine.masses_on_link[index + 1 :]):
         masses = ((link.center_of_gravity, link.mass), *points)
@@ -34,7 +34,7 @@ def outboard_load(machine: Elastic, index: int, gravity: float, tip_force: float
         force += gravity * sum(mass for _, mass in masses)
         moment += gravity * sum(mass * (reach + x) for x, mass in masses)
     force += gravity * sum(mass for x, mass in machine.masses_on_link[index] if x == 0)
-    return TipLoad(force + tip_force, moment + tip_force * reach)
+    return TipLoad(force, moment)
 
 
 @dataclass(frozen=True)

@@ -76,7 +76,7 @@ def test_it_points_where_the_file_says() -> None:
 
 
 def test_the_model_of_the_real_beam_is_what_the_generator_writes() -> None:
-    spec = build_beam(beam(), 4)
+    spec = build_beam(beam(), 6)
     spec.compile()
     assert spec.to_xml() == (REAL / "clamped_beam.xml").read_text()
 
