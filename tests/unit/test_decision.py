@@ -47,7 +47,7 @@ def test_beside_what_suffices_another_is_tried_where_one_may_hide(
     pair = scored(0.98, PAYLOAD, SOFT)
     monkeypatch.setattr(stages, "_partners", lambda *given: [SimpleNamespace(share=promised)])
     monkeypatch.setattr(stages, "_paired", lambda found, *given: [pair, *found])
-    monkeypatch.setattr(stages, "_simplified", lambda found, nominal: found)
+    monkeypatch.setattr(stages, "_simplified", lambda found, *given: found)
     assert (pair in stages.combined([scored(left, PAYLOAD)], NOMINAL, (), Clock(), 2)) == looks
 
 

@@ -33,7 +33,7 @@ def section(view: View) -> Section:
             "sentence": spoken(answer["sentence"]),
             "figures": figures(view),
             "effects": [row for effect in answer["effects"] or answer["suspect"] for row in rows(effect)],
-            "suspect": bool(answer["suspect"]),
+            "suspect": not answer["effects"],
             "physics": {effect.id: physics(effect) for effect in view.effects},
             "ties": [explanation_name(tie) for tie in _ties(view)],
             "next_experiment": answer["next_experiment"],
