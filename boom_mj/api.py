@@ -130,8 +130,8 @@ def diagnose(
 
     Args:
         machine: nominal; a file, or a name such as "boom36".
-        train: recordings, or files of them, to learn from.
-        holdout: the same, to judge by; the first part of one is learnt from if no other recording shows its gap.
+        train: recordings, or files of them, for training.
+        holdout: the same, held out; the first part of one trains if no other recording shows its gap.
             Without any, the recordings are split in time.
         without: ids of effects that are withheld from the library.
         most: causes that an explanation may have; 2 if left out.

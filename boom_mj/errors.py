@@ -63,7 +63,7 @@ class OutputError(BoomError):
 
 
 class SimulationError(BoomError):
-    """A simulation left the numbers: when, and which coordinate.
+    """A simulation diverged: when, and which coordinate.
 
     Attributes:
         states: the last states before it, a `simulation.LastStates`; None where there are none.

@@ -1,7 +1,7 @@
 """The blind check: cases whose effect is sealed, their diagnosis by processes that cannot know it, and the score.
 
-`making` draws and simulates on a plant that is not the diagnosing model, `running` diagnoses, `scoring` opens the seal,
-`hindsight` tells of misses whether the search or the model is to blame.
+`generate` draws and simulates on a plant that is not the diagnosing model, `run` diagnoses, `figures` opens the seal,
+`oracle` says of misses whether the search or the model is to blame.
 """
 
 from boom_mj.engine import mujoco as _mujoco  # noqa: F401  # isort: skip

@@ -50,9 +50,9 @@ class Score:
     """Outcomes and the figures made of them.
 
     Attributes:
-        outcomes: in the order of the cases' names, campaign by campaign.
-        seeds, seals: SHA-256 of every campaign's.
-        apart: what it is pooled of, one score a campaign.
+        outcomes: in the order of the cases' names, set by set.
+        seeds, seals: SHA-256 of every set's.
+        apart: what it is pooled of, one score a set.
     """
 
     outcomes: tuple[Outcome, ...]
@@ -74,7 +74,7 @@ def _told(figures: Sequence[Figure]) -> list[dict[str, Any]]:
 
 
 def pooled(scores: Sequence[Score]) -> Score:
-    """The score of several campaigns together."""
+    """The score of several sets together."""
     outcomes, seeds, seals = (
         tuple(item for one in scores for item in getattr(one, name)) for name in ("outcomes", "seeds", "seals")
     )
@@ -82,7 +82,7 @@ def pooled(scores: Sequence[Score]) -> Score:
 
 
 def score(folder: Path, seal: Path, answers: Path) -> Score:
-    """Open the seal of a campaign and judge its answers.
+    """Open the seal of a set and grade its answers.
 
     Raises:
         InputError: the seal is not the one whose hash was published.

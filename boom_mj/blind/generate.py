@@ -1,10 +1,10 @@
-"""Making a campaign of blind cases: logs in one folder, answers in a sealed file elsewhere.
+"""Making a set of blind cases: logs in one folder, answers in a sealed file elsewhere.
 
     DIR/machine.toml            the nominal machine
     DIR/seal.sha256             hash of the sealed answers
     DIR/CASE/withhold.json      the effect that the diagnosis of this case does without
-    DIR/CASE/train/*.mcap       recordings to learn from
-    DIR/CASE/holdout/*.mcap     recordings to judge by
+    DIR/CASE/train/*.mcap       training recordings
+    DIR/CASE/holdout/*.mcap     held-out recordings
 
 Names, order and times of files say nothing: cases are named by hashes of the secret, all times are STAMP, and a log
 holds what its sensors said and nothing else (reading and writing it again gives the same bytes).
@@ -35,13 +35,13 @@ from boom_mj.simulation import CATALOGUE, Experiment, run_experiment
 from boom_mj.spreading import results
 
 SECRET = 16  # bytes that a seed file must have, or else it can be guessed from its hash
-STAMP = 946684800  # s, the year 2000: modification time of everything in a campaign
+STAMP = 946684800  # s, the year 2000: modification time of everything in a set
 TRIES = 5
 
 
 @dataclass(frozen=True)
 class Suite:
-    """Experiments to learn from and to judge by."""
+    """Experiments for training, and held out."""
 
     train: tuple[Experiment, ...]
     holdout: tuple[Experiment, ...]
@@ -87,7 +87,7 @@ def make_cases(
     jobs: int = 1,
     cluster: str | None = None,
 ) -> Iterator[int]:
-    """Make a campaign; yields how many cases are done. Cases that an earlier call has finished stay as they are.
+    """Make a set; yields how many cases are done. Cases that an earlier call has finished stay as they are.
 
     Args:
         secret: the only source of chance: the same secret gives the same logs and the same seal.
@@ -178,7 +178,7 @@ def _drawn(case: _Case, rng: np.random.Generator) -> tuple[dict[str, Any], dict[
     machine = parse_machine(case.machine)
 
     def visibility(effects: Sequence[Effect]) -> float:
-        """In what is learnt from or in what is judged by, whichever shows less."""
+        """In training or in what is held out, whichever shows less."""
         parts = case.suite.train, case.suite.holdout
         return min(_eye(case.machine, part).visibility(effects) for part in parts) if effects else 0.0
 

@@ -3,8 +3,8 @@
 single      right id: exactly the true effect is named; right place: at its location too
 none        right: the verdict is "consistent"; anything else is a false alarm
 pair        right: exactly the two true effects are named
-withheld,   right: "unexplained", or a tie that holds a physical twin, which is an effect that the truth is known to
-stranger    be confused with; a confident wrong name is a miss, and so is "consistent"
+withheld,   right: "unexplained", or a tie that holds what the truth is known to be confused with;
+stranger     a confident wrong name is a miss, and so is "consistent"
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,7 +22,7 @@ NO_ANSWER: Mapping[str, Any] = {"verdict": "no answer", "sentence": "", "effects
 
 @dataclass(frozen=True)
 class Outcome:
-    """One case, judged.
+    """One case, graded.
 
     Attributes:
         case: its name.
@@ -39,7 +39,7 @@ class Outcome:
         reason: why a miss is one.
         suspect: what the answer took for its cause where it found no explanation, in a word or two.
         details: where it lies, by the answer.
-        truth_leaves: held-out gap that the truth itself leaves; NaN where nobody asked (`hindsight`).
+        truth_leaves: held-out gap that the truth itself leaves; NaN where nobody asked (`oracle`).
     """
 
     case: str

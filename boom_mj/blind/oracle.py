@@ -27,7 +27,7 @@ LISTED = ("single", "pair", "withheld")  # classes whose effects the library hol
 def with_hindsight(
     found: Score, folder: Path, seal: Path, jobs: int = 1, tell: Callable[[int, int], None] = lambda done, total: None
 ) -> Score:
-    """The score of a campaign with what the truth leaves of every miss that the library could have told.
+    """The score of a set with what the truth leaves of every miss that the library could have named.
 
     Args:
         jobs: processes on this machine.

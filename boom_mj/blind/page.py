@@ -123,7 +123,7 @@ CLOSED = (
 
 
 def _figures(score: Score) -> Table:
-    """All figures, and those of every campaign for itself."""
+    """All figures, and those of every set for itself."""
     numbers = range(1, len(score.apart) + 1) if len(score.apart) > 1 else ()
     head = ("figure", "value", "95 % interval", "of", "goal", "met", *(f"seed {number}" for number in numbers))
     rows = []

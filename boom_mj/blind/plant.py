@@ -15,11 +15,11 @@ HINGES = 8  # the diagnosis has 2, 3 and 4
 INTEGRATOR = mujoco.mjtIntegrator.mjINT_EULER  # the diagnosis has implicitfast
 STEP = 0.4  # of the diagnosis' own
 ZERO_OFFSET = np.radians(0.3)
-STIFFNESS, MASS, DAMPING = 0.003, 0.003, 0.05  # tolerances of an individual
+STIFFNESS, MASS, DAMPING = 0.003, 0.003, 0.05  # how far an individual is off
 
 
 def nuisances(machine: Machine, rng: np.random.Generator) -> tuple[Effect, ...]:
-    """What no two machines share: zero offsets of the joints, tolerances of stiffness, mass, damping; all uniform."""
+    """What no two machines share: zero offsets of the joints, small errors of stiffness, mass, damping; all uniform."""
     offsets = rng.uniform(-1, 1, JOINTS) * ZERO_OFFSET
     found = [make_effect("joint_zero_offset", {"joint": k + 1, "offset": offset}) for k, offset in enumerate(offsets)]
     for link in range(2, 2 + len(machine.links)):

@@ -28,7 +28,7 @@ def waiting_cases(folder: Path, answers: Path) -> tuple[list[Path], int]:
     """Cases without an answer, in the order of their names, and how many there are in all.
 
     Raises:
-        InputError: no campaign, or one whose seal lies within reach.
+        InputError: no sealed set, or one whose seal lies within reach.
     """
     if not (folder / "seal.sha256").is_file():
         raise InputError(f"{folder} holds no sealed campaign: there is no seal.sha256")
@@ -56,7 +56,7 @@ def answer_cases(
         ):
             try:
                 write_text(answers / f"{done.item.name}.json", done.result())
-            except Exception as error:  # one bad case must not end the campaign
+            except Exception as error:  # one bad case must not end the run
                 yield done.item, error
             else:
                 yield done.item, None

@@ -13,7 +13,7 @@ from boom_mj.errors import EquilibriumError, InputError, SimulationError
 MIX: Mapping[str, float] = {"single": 50, "none": 20, "pair": 12, "withheld": 25, "stranger": 13}
 """Shares of the classes of cases: of 120, every effect is there twice alone and is once withheld."""
 SMALL, LARGE = 0.5, 2.0  # times a size worth finding
-VISIBLE = 1.0  # as large as the noise itself, learnt from and judged by; what shows less is drawn again
+VISIBLE = 1.0  # as large as the noise itself, in training and held out; what shows less is drawn again
 TRIES = 40
 # times the library's size worth finding, where that hardly shows
 SIZES: Mapping[tuple[str, str], float] = {

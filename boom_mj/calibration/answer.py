@@ -18,7 +18,7 @@ DIGITS = 6  # of a value in the file
 
 
 def document(found: Calibration, names: Sequence[str]) -> dict[str, Any]:
-    """The answer in plain data: parameters with intervals, zero offsets, what is not told, gaps, features."""
+    """The answer in plain data: parameters with intervals, zero offsets, what is not identifiable, gaps, features."""
     refined, data = found.refined, found.predictor.data
     finer, _ = model_error(found.predictor, found.nominal)
     (nominal,) = predict(found.predictor, [found.nominal], MIDDLE)

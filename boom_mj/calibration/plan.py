@@ -45,7 +45,7 @@ class Plan:
         parameter: the least certain one that an experiment of the catalogue can tell.
         before: standard deviation of its logarithm from the recordings that there are.
         proposals: best first.
-        untold: parameters that neither recordings nor catalogue tell.
+        untold: parameters that neither recordings nor catalogue inform of.
     """
 
     parameter: str
@@ -75,7 +75,7 @@ def plan_next(
     """Rank the experiments that were not recorded yet.
 
     Args:
-        kinds: parameters that shall be told.
+        kinds: parameters that shall be identified.
         catalogue: to choose from.
 
     Raises:

@@ -1,7 +1,7 @@
 """A calibrated machine against measurements, as the paper shows it: stationary differences and first frequencies.
 
-Simulated twins pass through the same evaluation as the recordings: the fall of marker 12 along the load that went, and
-the strongest mode of what follows. "Uncalibrated" is the machine file as it was with the zero offsets that were found.
+Simulated recordings pass through the same evaluation as measured ones: the fall of marker 12 along the load that went,
+and the strongest mode of what follows. "Uncalibrated" is the machine file as it was with the zero offsets that were found.
 """
 
 from collections.abc import Sequence
@@ -35,7 +35,7 @@ class Twin:
     Attributes:
         motion: the simulation.
         table: its means over the samples that the recording has.
-        groups: how far log and twin are apart, by channel group, in units of sensor noise.
+        groups: how far log and simulation are apart, by channel group, in units of sensor noise.
     """
 
     motion: Trajectory
@@ -66,12 +66,12 @@ class Comparison:
 
 @dataclass(frozen=True, eq=False)
 class Validation:
-    """A calibration, its recordings and others that it has not seen, and the twins of all.
+    """A calibration, its recordings and others that it has not seen, and simulations of all.
 
     Attributes:
         logs: all recordings, as block means.
         training: how many of them the calibration has seen.
-        twins: per recording that of the uncalibrated and of the calibrated machine.
+        twins: per recording the simulation of the uncalibrated and of the calibrated machine.
         comparisons: of the recordings that end a load or a motion.
     """
 

@@ -22,16 +22,14 @@ from boom_mj.cli.arguments import (
 from boom_mj.errors import BoomError, InputError, MachineFileError
 from boom_mj.files import read_bytes, read_text, write_text
 
-app = typer.Typer(help="Check the diagnosis on effects that it is not told.", no_args_is_help=True)
-Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of the campaign.")]
-Folders = Annotated[list[Path], typer.Argument(metavar="DIR...", help="Folders of campaigns.")]
+app = typer.Typer(help="Check the diagnosis on effects that it does not know.", no_args_is_help=True)
+Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of the sealed set.")]
+Folders = Annotated[list[Path], typer.Argument(metavar="DIR...", help="Folders of sealed sets.")]
 Answers = Annotated[
     list[Path] | None,
-    typer.Option(
-        "--answers", "-a", metavar="DIR", help="Folder of the answers, one a campaign; DIR-answers if left out."
-    ),
+    typer.Option("--answers", "-a", metavar="DIR", help="Folder of the answers, one a set; DIR-answers if left out."),
 ]
-Seals = Annotated[list[Path], typer.Option(metavar="FILE", help="The sealed answers, one a campaign.")]
+Seals = Annotated[list[Path], typer.Option(metavar="FILE", help="The sealed answers, one a set.")]
 
 
 @app.command()
@@ -131,7 +129,7 @@ def score(
 ) -> None:
     """Open the seal, check that it is the published one, and hold the answers against it.
 
-    Several campaigns, each with its seal in the same order, are scored together and for themselves. In hindsight a miss
+    Several sets, each with its seal in the same order, are scored together and for themselves. In hindsight a miss
     is the search's fault where the truth leaves no more than noise, and the model's where it leaves more.
 
     Example: python -m boom_mj gap blind score cases --seal answers.seal -o score.html

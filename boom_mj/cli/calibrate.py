@@ -30,7 +30,7 @@ def command(
         typer.Option(metavar="KIND", help="Kind of parameter that may move, such as mass; several may be given."),
     ] = None,
     holdout: Annotated[
-        list[Path] | None, typer.Option(metavar="LOGS...", help="Logs to validate by; nothing is learnt from them.")
+        list[Path] | None, typer.Option(metavar="LOGS...", help="Logs to validate by; they do not train.")
     ] = None,
     plan: Annotated[bool, typer.Option("--plan", help="Only say which experiment to record next.")] = False,
 ) -> None:

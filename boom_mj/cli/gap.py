@@ -44,7 +44,7 @@ def effects(own_effects: EffectFiles = None, as_json: AsJson = False) -> None:
         if not sites:
             print("    of any MJCF machine (--map); sizes and places come from the model and its logs")
         alike = ", ".join(kind.confused_with) or "nothing known"
-        print(f"    confused with: {alike}; told by: {kind.separating_experiment}\n")
+        print(f"    confused with: {alike}; told apart by: {kind.separating_experiment}\n")
 
 
 def _described(kind: Any) -> dict[str, Any]:
@@ -97,12 +97,12 @@ def _finite(value: float) -> float | None:
 
 @app.command(cls=ManyLogs)
 def diagnose(
-    logs: Annotated[list[Path], typer.Argument(metavar="LOGS...", help="Logs to learn from.")],
+    logs: Annotated[list[Path], typer.Argument(metavar="LOGS...", help="Training logs.")],
     holdout: Annotated[
         list[Path] | None,
         typer.Option(
             metavar="LOGS...",
-            help="Logs to judge by (one's rest if its start must be learnt from); without any, logs are split in time.",
+            help="Held-out logs (one's start trains if no other shows its gap); without any, logs are split in time.",
         ),
     ] = None,
     machine: Annotated[str | None, typer.Option(help="Machine file or name; the logs' own if left out.")] = None,
@@ -113,7 +113,7 @@ def diagnose(
     ] = None,
     predictions: Annotated[
         Path | None,
-        typer.Option(metavar="DIR", help="Nominal and corrected twin of every log, as MCAP; as CSV with --map."),
+        typer.Option(metavar="DIR", help="Nominal and corrected simulation of every log, as MCAP; as CSV with --map."),
     ] = None,
     without: Annotated[
         list[str] | None, typer.Option(metavar="ID", help="Effect to leave out of the library; several may be given.")

@@ -26,9 +26,12 @@ def command(
         typer.Option("--map", metavar="MAP.toml", help="What feeds which signal; `logs inspect` proposes one."),
     ] = None,
     output: Annotated[
-        Path | None, typer.Option("-o", metavar="OUT.mcap", help="Simulated twin to write, beside what was measured.")
+        Path | None,
+        typer.Option("-o", metavar="OUT.mcap", help="Simulated recording to write, beside what was measured."),
     ] = None,
-    picture: Annotated[Path | None, typer.Option(metavar="PNG", help="Picture to draw: log and twin overlaid.")] = None,
+    picture: Annotated[
+        Path | None, typer.Option(metavar="PNG", help="Picture to draw: log and simulation overlaid.")
+    ] = None,
     with_residual: Annotated[
         bool, typer.Option("--residual", help="With measured - simulated, beside both, in OUT.mcap.")
     ] = False,
@@ -38,10 +41,10 @@ def command(
 ) -> None:
     """Drive the model with a log's joint angles and known load, and compare every channel group with its noise.
 
-    First the log is judged, on stderr: what moves, rates against the first modes, noise against the machine file,
-    gaps. The angles are smoothed: held at their mean where the joint rests, by a spline of locally even jerk between.
+    First comes what the log is good for, on stderr: what moves, rates against the first modes, noise against the machine
+    file, gaps. The angles are smoothed: held at their mean where the joint rests, by a spline of locally even jerk between.
 
-    Example: python -m boom_mj replay log.mcap --hinges 4 -o twin.mcap --picture twin.png
+    Example: python -m boom_mj replay log.mcap --hinges 4 -o simulated.mcap --picture replay.png
     """
     from boom_mj.logs import load_topic_map, read_log, write_mcap
     from boom_mj.replay import replay, residual

@@ -165,7 +165,7 @@ def _diagnose(predictor: Predictor, without: Sequence[str], clock: Clock, most: 
 def _extended(
     found: Diagnosis, left: float, without: Sequence[str], clock: Clock, most: int, keep: Keep
 ) -> Diagnosis | None:
-    """The diagnosis where part of a recording held out trains what no other recording shows; its rest judges.
+    """The diagnosis where part of a recording held out trains what no other recording shows; its rest is held out.
 
     Args:
         left: what an explanation may leave of training.

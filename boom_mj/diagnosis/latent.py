@@ -26,7 +26,7 @@ def latent_input_of(
 
     Args:
         noise: that whitens, without latent inputs and blur.
-        residual: whitened, from which the strength is learnt, (N,).
+        residual: whitened, from which the strength is estimated, (N,).
         recordings: those that count.
     """
     hidden = next((e for e in effects if e.basis(0.0)), None)

@@ -41,7 +41,7 @@ class Scored:
 
 
 def score(model: Linearisation, found: Fit) -> Scored:
-    """Predict what was held out with what was learnt in training."""
+    """Predict what was held out with what training gave."""
     data, model = model.data, model.allowing(found.effects)
     (prediction,) = model.predict([found.effects])
     whole = replace(found, residual=model.clean(model.residual(prediction)))

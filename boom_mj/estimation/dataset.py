@@ -148,7 +148,7 @@ class Dataset:
 
     @cached_property
     def held_out(self) -> Array:
-        """Entries to judge by, (N,) of bool."""
+        """Entries that are held out, (N,) of bool."""
         return self.used & ~self.train
 
     @cached_property
@@ -255,7 +255,7 @@ def make_dataset(
         group: of a signal's column.
 
     Raises:
-        LogError: nothing to learn from, or a signal that shares no time with what drives the model.
+        LogError: nothing to train with, or a signal that shares no time with what drives the model.
     """
     if not recordings or training < 1:
         raise LogError("a diagnosis needs at least one recording to learn from")

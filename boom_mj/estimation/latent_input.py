@@ -91,7 +91,7 @@ def estimate_latent(
     Whatever vibrates could be pushed so. An input that rests, or is stronger than its effect allows, is none.
 
     Args:
-        trained: those from which the strength is learnt.
+        trained: those from which the strength is estimated.
         residual: whitened, (N,).
         limit: of the strength.
     """

@@ -19,7 +19,7 @@ from boom_mj.mjcf.keyframes import POSES_DEG, add_keyframes
 from boom_mj.mjcf.rayleigh import in_tune
 
 Array = np.ndarray
-TIMESTEP = 0.005  # s, the longest; docs/integrators.md says why
+TIMESTEP = 0.005  # s, the longest; docs/explanation/integrators.md says why
 STABLE_PHASE = 1.2  # omega h of the fastest hinge, with a margin to 2 for other poses
 DRIVE_FREQUENCY = 8.0  # Hz: servo of the drives as the file holds them, against the inertia of the stretched boom
 

@@ -11,7 +11,7 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Group:
-    """How far twin and log are apart in one channel group.
+    """How far simulation and log are apart in one channel group.
 
     Attributes:
         name: sensor and direction: imu/link5 accelerometer y, markers link4 z, cylinder3, ...
@@ -36,7 +36,7 @@ class Group:
 
 
 def compare(log: Recording, twin: Recording, noise: dict[str, Array]) -> tuple[Group, ...]:
-    """Root mean square of log - twin in every channel group, against the sensor's noise."""
+    """Root mean square of log - simulation in every channel group, against the sensor's noise."""
     groups = []
     for name, level in noise.items():
         if name not in log or name not in twin or name == "joint/position":

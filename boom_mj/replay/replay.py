@@ -13,7 +13,7 @@ from boom_mj.simulation import Plant, Trajectory, run, step_times
 
 @dataclass(frozen=True)
 class Replay:
-    """A log, its simulated twin at the log's own times, and the comparison."""
+    """A log, its simulated recording at the log's own times, and the comparison."""
 
     log: Recording
     twin: Recording

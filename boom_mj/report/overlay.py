@@ -1,4 +1,4 @@
-"""A log and its simulated twin over each other: the worst channel first, the residual under every pair."""
+"""A log and its simulated recording over each other: the worst channel first, the residual under every pair."""
 
 from pathlib import Path
 from typing import Any

@@ -1,4 +1,4 @@
-"""A simulation that left the numbers: when, where, and what it did before."""
+"""A simulation that diverged: when, where, and what it did before."""
 
 from dataclasses import dataclass
 

@@ -85,7 +85,7 @@ def run_experiment(plant: Plant, experiment: Experiment) -> Trajectory:
 
     Raises:
         InputError: the machine cannot follow it, or it is too long.
-        SimulationError: MuJoCo left the numbers.
+        SimulationError: MuJoCo diverged.
     """
     time = step_times(plant, experiment.duration)
     experiment.check(plant.machine)

@@ -7,7 +7,7 @@ spline q(t) with evenly spaced knots whose coefficients c minimise
     sum (y - q(t))^2 / sigma^2 + sum (d^3 c)^2 / s^2,
 
 a penalised spline: the mean of a random jerk of standard deviation s, given the samples, as a Rauch-Tung-Striebel
-smoother would find it. How large s is differs along the path and is learnt from it: s^2 = GAIN x local mean of
+smoother would find it. How large s is differs along the path and is estimated from it: s^2 = GAIN x local mean of
 (d^3 c)^2, solved again until it stays. GAIN makes up for the variance that a mean lacks. Where a joint rests - where a
 line through a window of samples has a slope within its own noise, and a cubic through the whole rest finds no drift, as
 it does where a sensor's error creeps while the joint turns - every sample is the mean of the rest.

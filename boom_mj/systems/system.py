@@ -47,7 +47,7 @@ class SystemFacts:
         name: of the machine.
         block_s: over which channels are averaged.
         correlation_s: beyond which residuals count as independent.
-        bands_hz: frequency bands in which a gap is told, lowest first.
+        bands_hz: frequency bands in which a gap is located, lowest first.
         fidelity: levels of simulation.
         noise: least noise of a sample by signal, one per channel, (k,); the signals named are those compared.
         still: speed below which a coordinate of the timeline is at rest, in its unit.
@@ -116,7 +116,7 @@ class ChannelPlace:
     """Where a channel belongs.
 
     Attributes:
-        group: of channels that are told together, such as "markers/link4/z".
+        group: of channels that are counted together, such as "markers/link4/z".
         sensor, part, direction: of the group; the direction is "" where there is but one.
         label: of the group, for people.
         place: the sensor at its part, for people.

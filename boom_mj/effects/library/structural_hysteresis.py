@@ -44,5 +44,5 @@ class StructuralHysteresis(ModelEffect):
 
     @classmethod
     def combine(cls, site: Site, points: Sequence[Values], weights: Array) -> dict[str, float]:
-        """The probe itself: its effect does not grow with its parameters."""
+        """The point itself: its effect does not grow with its parameters."""
         return dict(points[0])

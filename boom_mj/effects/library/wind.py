@@ -20,7 +20,7 @@ class Wind(ForceEffect):
     """Drag of a horizontal wind on the sides of the links: 1/2 rho c_d h |v_n| v_n per length, v_n across the link.
 
     Its load is laid on the marker sites of each link. Gusts are a first-order process of relative strength
-    `gust_strength`, drawn from a seed that no log tells; the diagnosis estimates their course in every recording.
+    `gust_strength`, drawn from a seed that no log tells; the diagnosis estimates them in every recording.
     """
 
     id = "wind"

@@ -46,7 +46,7 @@ class Trace:
 
 
 def trace(shown: Validation, index: int, signal: str, channel: int, factor: float = 1.0) -> Trace | None:
-    """A channel of a recording and of its twins; None where it was not recorded."""
+    """A channel of a recording and of its simulations; None where it was not recorded."""
     table = shown.logs[index]
     for column, place in enumerate(table.channels):
         if (place.signal, place.column) == (signal, channel):

@@ -83,7 +83,7 @@ class BoomSystem:
             split=lambda time, lasts: time < FIRST * lasts,
             oscillatory=True,
             line_signal="imu/link5/specific_force",
-            provenance={"hinges": {"contest": MIDDLE.hinges, "fidelity": FINE.hinges}},
+            provenance={"hinges": {"predictions": MIDDLE.hinges, "check": FINE.hinges}},
         )
         self._booms: dict[tuple[Machine, Level], BoomModel] = {}
         self._plants: dict[tuple, Plant] = {}
