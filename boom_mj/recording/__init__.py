@@ -12,3 +12,4 @@ from boom_mj.recording.signal import align as align
 from boom_mj.recording.signal import resample as resample
 from boom_mj.recording.signal import spectrum as spectrum
 from boom_mj.recording.signal import window as window
+from boom_mj.recording.units import UNITS as UNITS

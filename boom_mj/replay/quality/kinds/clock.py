@@ -1,0 +1,134 @@
+"""Clocks that jump, run at another pace, or are late with the joints."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from boom_mj.replay.quality.beside import expected
+from boom_mj.replay.quality.check import Check, Found, Turn
+from boom_mj.replay.quality.edits import DRIVE, restamped
+from boom_mj.replay.quality.evidence import Evidence
+from boom_mj.replay.quality.finding import Action
+
+Array = np.ndarray
+LATE_STEPS = 2.5  # of a sensor, by which it ends after the others; in sound logs all end within one
+JUMP = 1.4  # usual steps, from which on a step may be a clock's jump
+PACE = 1e-4  # by which a clock may run too fast or too slow; crystals keep to a fifth of it
+ALIKE = 0.4  # how far what a jump or pace explains may be from how much later the sensor ends
+
+
+class ClockJumps(Check):
+    """A sensor whose stamps leap at one step and that ends later than all others by that leap: no message is missing."""
+
+    kind = "clock"
+    turn = Turn.STAMPS
+
+    def look(self, evidence: Evidence) -> Iterator[Found]:
+        for index in evidence.indices:
+            log, sensors = evidence.recordings[index], evidence.sensors(index)
+            for sensor, names in sensors.items():
+                time, late = log[names[0]].time, _later(evidence, index, sensor)
+                if len(time) < 20 or late is None:
+                    continue
+                step = np.diff(time)
+                usual = float(np.median(step))
+                if abs(late) < LATE_STEPS * usual:
+                    continue
+                at = int(np.argmax(step))
+                leap = step[at] - usual
+                if step[at] > JUMP * usual and abs(late - leap) < ALIKE * leap + usual:
+                    when = float(time[at])
+                    text = f"stamps leap by {leap:.3f} s and no message is missing: it ends {late:.3f} s after the others"
+                    finding = evidence.finding(
+                        self.kind, index, sensor, text, Action.REPAIRED, True, (when, float(time[-1]))
+                    )
+                    yield Found(index, finding, restamped(names, lambda t, w=when, d=leap: np.where(t > w, t - d, t)))
+                    continue
+                pace = usual * evidence.rates.get(names[0], 0.0)
+                slip = (time[-1] - time[0]) * (1 - 1 / pace) if pace else 0.0
+                if pace and abs(pace - 1) > PACE and abs(late - slip) < ALIKE * abs(slip) + usual:
+                    text = (
+                        f"stamps run {1e3 * (pace - 1):+.3f} per mille too fast: it ends {late:+.3f} s after the others"
+                    )
+                    finding = evidence.finding(self.kind, index, sensor, text, Action.REPAIRED, True)
+                    yield Found(index, finding, restamped(names, lambda t, p=pace: t[0] + (t - t[0]) / p))
+
+
+def _later(evidence: Evidence, index: int, sensor: str) -> float | None:
+    """How much later than the others a sensor ends, s; None where it is alone."""
+    log = evidence.recordings[index]
+    ends = {s: float(log[names[0]].time[-1]) for s, names in evidence.sensors(index).items()}
+    others = [end for other, end in ends.items() if other != sensor]
+    return ends[sensor] - float(np.median(others)) if others else None
+
+
+LAGS = np.arange(-0.6, 0.601, 0.06)  # s
+BEHIND = 0.02  # s, by which a joint is behind its command; sound ones by less than 1 ms
+ALONE = 0.15  # s, by which sensors must precede where no command tells; effects make 0.08 of it
+SWING = np.radians(3.0)  # of a command, for a lag to be read off it
+STREAMS = ("imu/", "markers")
+
+
+class JointsLate(Check):
+    """Joint angles stamped too late: every other sensor seems to precede the model that they drive.
+
+    A drive that follows its command late does not: there the sensors agree with the joints. That only one stream is late
+    is a cause (clock_offset).
+    """
+
+    kind = "clock"
+    turn = Turn.CLOCKS
+
+    def look(self, evidence: Evidence) -> Iterator[Found]:
+        for index in evidence.indices:
+            behind = _behind(evidence, index)
+            if behind is not None and abs(behind) < BEHIND:
+                continue
+            if np.ptp(evidence.recordings[index][DRIVE].values, axis=0).max() < SWING:
+                continue
+            lags = [lag for stream in STREAMS if (lag := _lag(evidence, index, stream)) is not None]
+            if len(lags) < 2:
+                continue
+            if behind is not None:
+                late = behind if all(abs(lag + behind) < abs(lag) for lag in lags) else 0.0
+            else:
+                late = -float(np.mean(lags)) if min(map(abs, lags)) > ALONE and np.ptp(lags) < ALONE / 2 else 0.0
+            if late:
+                text = (
+                    f"stamps are {late:+.3f} s late: the other sensors precede what the joints make the model do by "
+                    f"{', '.join(f'{-lag:.2f} s ({s.strip(chr(47))})' for s, lag in zip(STREAMS, lags))}"
+                )
+                finding = evidence.finding(self.kind, index, DRIVE, text, Action.REPAIRED, True)
+                yield Found(index, finding, restamped([DRIVE], lambda t, d=late: t - d))
+
+
+def _behind(evidence: Evidence, index: int) -> float | None:
+    """By how much joint angles are behind their commands, s; None without commands that move."""
+    should = expected(evidence, index, DRIVE)
+    if should is None or np.ptp(should, axis=0).max() < SWING:
+        return None if should is None else 0.0
+    joints = evidence.recordings[index][DRIVE]
+    speed = np.gradient(should, joints.time, axis=0)
+    beyond = joints.values - should
+    rest = np.abs(speed).max(axis=1) < 1e-4
+    beyond = beyond - (beyond[rest].mean(axis=0) if rest.any() else beyond.mean(axis=0))
+    return -float(np.sum(speed * beyond) / np.sum(speed**2))
+
+
+def _lag(evidence: Evidence, index: int, stream: str) -> float | None:
+    """Delay of the model at which a stream fits best, about its means, s."""
+    log, cost = evidence.recordings[index], np.zeros(len(LAGS))
+    joints = log[DRIVE].time
+    for name in evidence.measured(index):
+        if not name.startswith(stream) or evidence.predicted(index, name) is None:
+            continue
+        signal, noise = log[name], evidence.noise(index, name)
+        inside = (signal.time > joints[0] - LAGS[0]) & (signal.time < joints[-1] - LAGS[-1])
+        for k, lag in enumerate(LAGS):
+            rest = (signal.values - evidence.predicted(index, name, float(lag)))[inside]
+            cost[k] += float(np.nansum(np.nanvar(rest, axis=0) / noise**2))
+    if not cost.any():
+        return None
+    k = int(np.clip(np.argmin(cost), 1, len(LAGS) - 2))
+    a, b, c = cost[k - 1 : k + 2]
+    return float(LAGS[k] + (LAGS[1] - LAGS[0]) * 0.5 * (a - c) / max(a - 2 * b + c, 1e-300))

@@ -1,0 +1,136 @@
+"""Known loads in another unit, or not logged."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from boom_mj.errors import BoomError
+from boom_mj.recording import Recording, named_signal
+from boom_mj.replay.quality.check import Check, Found, Turn
+from boom_mj.replay.quality.edits import DRIVE, mapped
+from boom_mj.replay.quality.evidence import Evidence
+from boom_mj.replay.quality.finding import Action, Repair
+from boom_mj.replay.quality.kinds.unit import OFF, named_unit
+from boom_mj.replay.replay import replay
+
+Array = np.ndarray
+LOAD, ROPE = "load", 1000.0  # N, of a rope that is tried where none is logged
+EXPLAINED = 0.7  # of what the model leaves about its means, by a rope that nobody logged; effects reach 0.3
+BLOW = 20.0  # times an accelerometer's noise, from one sample to the next, where nothing else moves: a cut rope
+CLIP = 1e4  # in noise: what is in another unit must not drown the rest
+WEAK = 1e-3  # N, below which a logged load is none
+
+
+class Load(Check):
+    """What a load does is linear in it: measured less predicted without it, against predicted with it less without.
+
+    The factor is 1 for a load in N, about 1000 for one in kN, -1 for one pulled the other way. Where a recording that
+    logs no load starts to swing at rest, ropes cut at that moment are tried.
+    """
+
+    kind = "load"
+    turn = Turn.LOADS
+
+    def look(self, evidence: Evidence) -> Iterator[Found]:
+        for index in evidence.indices:
+            log = evidence.recordings[index]
+            if LOAD in log and np.ptp(log[LOAD].values, axis=0).max() > WEAK:
+                yield from self._wrong(evidence, index)
+            elif DRIVE in log and (cut := _blow(evidence, index)) is not None:
+                yield from self._missing(evidence, index, cut)
+
+    def _wrong(self, evidence: Evidence, index: int) -> Iterator[Found]:
+        log = evidence.recordings[index]
+        without = _twin(evidence, log.with_signals({LOAD: replace(log[LOAD], values=0 * log[LOAD].values)}))
+        whole = evidence.twin(index)
+        if without is None or whole is None:
+            return
+        rest, effect = _about(evidence, log, without, log), _about(evidence, whole.twin, without, log)
+        square = float(effect @ effect)
+        factor = float(rest @ effect) / square if square else 1.0
+        told = factor**2 * square / max(float(rest @ rest), 1e-300)
+        unit = named_unit("N", 1 / abs(factor)) if factor and told > EXPLAINED / 2 else None
+        repair, change = None, 1.0
+        if unit is not None:
+            word, change = unit
+            text, repair = f"acts {factor:.4g} times as strongly as logged, as if in {word} instead of N", Repair(
+                LOAD, unit=word
+            )
+        elif told > EXPLAINED and factor < 0 and 1 / OFF < -factor < OFF:
+            text, change, repair = "acts the other way round", -1.0, Repair(LOAD, sign=-1)
+        else:
+            return
+        finding = evidence.finding(self.kind, index, LOAD, text, Action.REPAIRED, True, repair=repair)
+        yield Found(index, finding, mapped(LOAD, np.full(3, change), np.zeros(3)))
+
+    def _missing(self, evidence: Evidence, index: int, cut: float) -> Iterator[Found]:
+        log, plain = evidence.recordings[index], evidence.twin(index)
+        if plain is None:
+            return
+        rest = _about(evidence, log, plain.twin, log)
+        time = log[DRIVE].time
+        columns = []
+        for axis in range(3):
+            rope = np.where(time[:, None] < cut, ROPE * np.eye(3)[axis], 0.0)
+            twin = _twin(evidence, log.with_signals({LOAD: named_signal(LOAD, time, rope)}))
+            if twin is None:
+                return
+            columns.append(_about(evidence, twin, plain.twin, log))
+        force, *_ = np.linalg.lstsq(np.stack(columns, axis=1), rest, rcond=None)
+        left = rest - np.stack(columns, axis=1) @ force
+        if 1 - float(left @ left) / float(rest @ rest) < EXPLAINED:
+            return
+        pull = ", ".join(f"{ROPE * f:.0f}" for f in force)
+        text = (
+            f"is not logged: the boom swings from {cut - evidence.start(index):.2f} s on as if a rope of ({pull}) N were cut"
+        )
+        part = range(evidence.training) if index < evidence.training else range(evidence.training, len(evidence.names))
+        others = any(k in part for k in evidence.indices if k != index)
+        action = Action.LEFT_OUT if others else Action.SAID
+        finding = evidence.finding(self.kind, index, LOAD, text, action, False)
+        yield Found(index, finding, leave_out=others)
+
+
+def _twin(evidence: Evidence, log: Recording) -> Recording | None:
+    try:
+        return replay(evidence.plant, log).twin
+    except BoomError:
+        return None
+
+
+def _about(evidence: Evidence, one: Recording, other: Recording, log: Recording) -> Array:
+    """one - other of all sensors in noise, about its mean in every channel, (N,); 0 where it is not known."""
+    parts = []
+    for name, level in evidence.levels.items():
+        if name == DRIVE or name not in log or name not in one or name not in other:
+            continue
+        difference = (one[name].values - other[name].values) / level
+        alive = np.isfinite(log[name].values)
+        count = np.maximum(alive.sum(axis=0), 1)
+        difference = np.where(alive, difference, 0.0)
+        difference = np.where(alive, difference - difference.sum(axis=0) / count, 0.0)
+        parts.append(np.clip(difference, -CLIP, CLIP).ravel() if one is log else difference.ravel())
+    return np.concatenate(parts)
+
+
+def _blow(evidence: Evidence, index: int) -> float | None:
+    """When accelerometers jump although every joint rests, stamp in s."""
+    log = evidence.recordings[index]
+    joints = log[DRIVE]
+    jumps = []
+    for name in evidence.measured(index):
+        if name.endswith("specific_force"):
+            signal = log[name]
+            step = np.abs(np.diff(signal.values, axis=0)) / evidence.noise(index, name)
+            jumps.append((signal.time[1:], np.nanmax(np.nan_to_num(step), axis=1)))
+    if not jumps:
+        return None
+    time, size = max(jumps, key=lambda jump: jump[1].max())
+    first = int(np.argmax(size > BLOW))
+    if size[first] <= BLOW:
+        return None
+    around = np.abs(joints.time - time[first]) < 1.0
+    still = np.ptp(joints.values[around], axis=0) < 10 * evidence.noise(index, DRIVE)
+    return float(time[first]) if around.any() and still.all() else None
+
