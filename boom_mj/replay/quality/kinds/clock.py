@@ -6,14 +6,15 @@ import numpy as np
 
 from boom_mj.replay.quality.beside import expected
 from boom_mj.replay.quality.check import Check, Found, Turn
-from boom_mj.replay.quality.edits import DRIVE, restamped
+from boom_mj.replay.quality.edits import COMMAND, DRIVE, restamped
 from boom_mj.replay.quality.evidence import Evidence
 from boom_mj.replay.quality.finding import Action
 
 Array = np.ndarray
-LATE_STEPS = 2.5  # of a sensor, by which it ends after the others; in sound logs all end within one
+LATE_STEPS = 1.5  # of a sensor, by which it ends after the others; in sound logs all end within one
 JUMP = 1.4  # usual steps, from which on a step may be a clock's jump
 PACE = 1e-4  # by which a clock may run too fast or too slow; crystals keep to a fifth of it
+FASTEST = 0.05  # beyond it the rate is another
 ALIKE = 0.4  # how far what a jump or pace explains may be from how much later the sensor ends
 
 
@@ -25,33 +26,58 @@ class ClockJumps(Check):
 
     def look(self, evidence: Evidence) -> Iterator[Found]:
         for index in evidence.indices:
-            log, sensors = evidence.recordings[index], evidence.sensors(index)
-            for sensor, names in sensors.items():
+            log = evidence.recordings[index]
+            for sensor, names in evidence.sensors(index).items():
                 time, late = log[names[0]].time, _later(evidence, index, sensor)
                 if len(time) < 20 or late is None:
                     continue
                 step = np.diff(time)
-                usual = float(np.median(step))
-                if abs(late) < LATE_STEPS * usual:
+                usual, at = float(np.median(step)), int(np.argmax(step))
+                leap = float(step[at]) - usual
+                if leap < (JUMP - 1) * usual or late < LATE_STEPS * usual or abs(late - leap) > ALIKE * leap + usual:
                     continue
-                at = int(np.argmax(step))
-                leap = step[at] - usual
-                if step[at] > JUMP * usual and abs(late - leap) < ALIKE * leap + usual:
-                    when = float(time[at])
-                    text = f"stamps leap by {leap:.3f} s and no message is missing: it ends {late:.3f} s after the others"
-                    finding = evidence.finding(
-                        self.kind, index, sensor, text, Action.REPAIRED, True, (when, float(time[-1]))
-                    )
-                    yield Found(index, finding, restamped(names, lambda t, w=when, d=leap: np.where(t > w, t - d, t)))
+                when = float(time[at])
+                text = f"stamps leap by {leap:.3f} s and no message is missing: it ends {late:.3f} s after the others"
+                finding = evidence.finding(
+                    self.kind, index, sensor, text, Action.REPAIRED, True, (when, float(time[-1]))
+                )
+                yield Found(index, finding, restamped(names, lambda t, w=when, d=leap: np.where(t > w, t - d, t)))
+
+
+class ClockPace(Check):
+    """A sensor whose steps are not the machine file's, and that ends as much later, or earlier, than the others.
+
+    A sensor that merely samples at another rate ends with the others. What one recording shows, the others have too where
+    their steps are the same.
+    """
+
+    kind = "clock"
+    turn = Turn.STAMPS
+
+    def look(self, evidence: Evidence) -> Iterator[Found]:
+        paces: dict[str, dict[int, float]] = {}
+        shown: dict[str, float] = {}
+        for index in evidence.indices:
+            for sensor, names in evidence.sensors(index).items():
+                time, late = evidence.recordings[index][names[0]].time, _later(evidence, index, sensor)
+                rate = evidence.rates.get(names[0], 0.0)
+                if len(time) < 20 or late is None or not rate:
                     continue
-                pace = usual * evidence.rates.get(names[0], 0.0)
-                slip = (time[-1] - time[0]) * (1 - 1 / pace) if pace else 0.0
-                if pace and abs(pace - 1) > PACE and abs(late - slip) < ALIKE * abs(slip) + usual:
-                    text = (
-                        f"stamps run {1e3 * (pace - 1):+.3f} per mille too fast: it ends {late:+.3f} s after the others"
-                    )
-                    finding = evidence.finding(self.kind, index, sensor, text, Action.REPAIRED, True)
-                    yield Found(index, finding, restamped(names, lambda t, p=pace: t[0] + (t - t[0]) / p))
+                usual = float(np.median(np.diff(time)))
+                pace = usual * rate
+                slip = float(time[-1] - time[0]) * (1 - 1 / pace)
+                if abs(pace - 1) > PACE and abs(pace - 1) < FASTEST:
+                    paces.setdefault(sensor, {})[index] = pace
+                    if abs(late) > usual / 2 and abs(late - slip) < ALIKE * abs(slip) + usual / 2:
+                        shown[sensor] = pace
+        for sensor, pace in shown.items():
+            for index, own in paces[sensor].items():
+                if abs(own - pace) > ALIKE * abs(pace - 1):
+                    continue
+                text = f"stamps run {1e3 * (own - 1):+.3f} per mille too fast, away from those of the other sensors"
+                finding = evidence.finding(self.kind, index, sensor, text, Action.REPAIRED, True)
+                names = evidence.sensors(index)[sensor]
+                yield Found(index, finding, restamped(names, lambda t, p=own: t[0] + (t - t[0]) / p))
 
 
 def _later(evidence: Evidence, index: int, sensor: str) -> float | None:
@@ -72,41 +98,48 @@ STREAMS = ("imu/", "markers")
 class JointsLate(Check):
     """Joint angles stamped too late: every other sensor seems to precede the model that they drive.
 
-    A drive that follows its command late does not: there the sensors agree with the joints. That only one stream is late
-    is a cause (clock_offset).
+    Judged on the recording whose joints move most. A drive that follows its command late is none: there the sensors agree
+    with the joints. That one stream alone is late is a cause (clock_offset).
     """
 
     kind = "clock"
     turn = Turn.CLOCKS
 
     def look(self, evidence: Evidence) -> Iterator[Found]:
-        for index in evidence.indices:
-            behind = _behind(evidence, index)
-            if behind is not None and abs(behind) < BEHIND:
+        moved = {
+            k: float(np.ptp(evidence.recordings[k][DRIVE].values, axis=0).max())
+            for k in evidence.indices
+            if DRIVE in evidence.recordings[k]
+        }
+        most = max(moved, key=moved.__getitem__, default=None)
+        if most is None or moved[most] < SWING:
+            return
+        behind = {k: _behind(evidence, k) for k in moved}
+        lags = {stream: lag for stream in STREAMS if (lag := _lag(evidence, most, stream)) is not None}
+        if len(lags) < len(STREAMS):
+            return
+        told, late, names = behind[most], 0.0, [DRIVE]
+        if told is not None and abs(told) > BEHIND:
+            late = told if all(abs(lag + told) < abs(lag) for lag in lags.values()) else 0.0
+        elif min(map(abs, lags.values())) > ALONE and np.ptp(list(lags.values())) < ALONE / 2:
+            late = -float(np.mean(list(lags.values())))
+            names += [] if told is None else [COMMAND, "joint_command/velocity"]
+        said = ", ".join(f"{stream.strip('/')} by {-lag:.2f} s" for stream, lag in lags.items())
+        for index in moved if late else ():
+            own = behind[index]
+            if told is not None and abs(told) > BEHIND and own is not None and abs(own - late) > ALIKE * abs(late):
                 continue
-            if np.ptp(evidence.recordings[index][DRIVE].values, axis=0).max() < SWING:
-                continue
-            lags = [lag for stream in STREAMS if (lag := _lag(evidence, index, stream)) is not None]
-            if len(lags) < 2:
-                continue
-            if behind is not None:
-                late = behind if all(abs(lag + behind) < abs(lag) for lag in lags) else 0.0
-            else:
-                late = -float(np.mean(lags)) if min(map(abs, lags)) > ALONE and np.ptp(lags) < ALONE / 2 else 0.0
-            if late:
-                text = (
-                    f"stamps are {late:+.3f} s late: the other sensors precede what the joints make the model do by "
-                    f"{', '.join(f'{-lag:.2f} s ({s.strip(chr(47))})' for s, lag in zip(STREAMS, lags))}"
-                )
-                finding = evidence.finding(self.kind, index, DRIVE, text, Action.REPAIRED, True)
-                yield Found(index, finding, restamped([DRIVE], lambda t, d=late: t - d))
+            text = f"stamps are {late:+.3f} s late: other sensors precede the model that the joints drive, {said}"
+            finding = evidence.finding(self.kind, index, DRIVE, text, Action.REPAIRED, True)
+            there = [name for name in names if name in evidence.recordings[index]]
+            yield Found(index, finding, restamped(there, lambda t, d=late: t - d))
 
 
 def _behind(evidence: Evidence, index: int) -> float | None:
     """By how much joint angles are behind their commands, s; None without commands that move."""
     should = expected(evidence, index, DRIVE)
     if should is None or np.ptp(should, axis=0).max() < SWING:
-        return None if should is None else 0.0
+        return None
     joints = evidence.recordings[index][DRIVE]
     speed = np.gradient(should, joints.time, axis=0)
     beyond = joints.values - should

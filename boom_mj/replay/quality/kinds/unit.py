@@ -41,7 +41,7 @@ class JointUnit(Check):
 
 
 class Unit(Check):
-    """A signal that is as many times too large or too small as a unit or a power of ten is."""
+    """A signal that is as many times too large or too small as a unit or a power of ten is, and its noise with it."""
 
     kind = "unit"
     turn = Turn.UNITS
@@ -54,9 +54,14 @@ class Unit(Check):
                 if name.endswith("angular_rate"):  # rests about zero
                     pair = pair.moving
                 square = np.nanmean(pair.measured**2, axis=0)
-                scales[index] = np.sqrt(square / (pair.power + 1)) if name.startswith("cylinder") else _whole(
-                    square, pair.power
-                )
+                values = evidence.recordings[index][name].values.T
+                noise = [_noise(column, level) for column, level in zip(values, evidence.noise(index, name))]
+                if name.startswith("cylinder"):
+                    scale = np.sqrt(square / (pair.power + 1))
+                else:
+                    scale = np.full(len(square), np.sqrt(np.nansum(square) / np.sum(pair.power + 1)))
+                    noise = [float(np.median(noise))] * len(square)
+                scales[index] = np.array([s if _scattered(s, ratio) else 1.0 for s, ratio in zip(scale, noise)])
             if name.startswith("cylinder"):
                 for column in range(len(QUANTITIES[name].channels)):
                     yield from _wrong(evidence, name, {k: s[column] for k, s in scales.items()}, column)
@@ -64,9 +69,15 @@ class Unit(Check):
                 yield from _wrong(evidence, name, {k: float(s[0]) for k, s in scales.items()})
 
 
-def _whole(square: Array, power: Array) -> Array:
-    """The one scale of all channels, (1,)."""
-    return np.array([np.sqrt(np.nansum(square) / np.sum(power + 1))])
+def _noise(values: Array, expected_noise: float) -> float:
+    """How many times the noise that it should have a channel has; 0 where its steps hide it."""
+    own = own_noise(values)
+    return own / expected_noise if own and resolution(values) < own else 0.0
+
+
+def _scattered(scale: float, noise: float) -> bool:
+    """Whether noise is as wrong as the signal, as it is in another unit; a load that nobody knows leaves it alone."""
+    return not noise or abs(np.log(noise / scale)) < abs(np.log(noise))
 
 
 def _joint_scale(values: Array, command: Array, noise: float) -> float:
@@ -75,8 +86,7 @@ def _joint_scale(values: Array, command: Array, noise: float) -> float:
         return float(np.abs(about @ (values - values.mean())) / (about @ about))
     if np.abs(command).min() > AWAY:
         return float(np.abs(np.median(values / command)))
-    own = own_noise(values)
-    return own / noise if own and resolution(values) < own else 1.0
+    return _noise(values, noise) or 1.0
 
 
 def _wrong(evidence: Evidence, name: str, scales: Mapping[int, float], column: int | None = None) -> Iterator[Found]:
