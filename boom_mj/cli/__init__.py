@@ -11,7 +11,7 @@ from typing import Any
 import typer
 
 from boom_mj.cli import calibrate, gap, generate, logs, render, replay, simulate, track, validate, view
-from boom_mj.cli.arguments import printable
+from boom_mj.cli.arguments import ManyHoldouts, printable
 from boom_mj.engine import keep_no_log
 from boom_mj.errors import BoomError, InputError, LogWarning
 
@@ -26,7 +26,7 @@ app = typer.Typer(
 )
 for command in (generate, simulate, replay, validate, view, render, track):
     app.command(command.__name__.rpartition(".")[2])(command.command)
-app.command("calibrate", cls=gap.ManyHoldouts)(calibrate.command)
+app.command("calibrate", cls=ManyHoldouts)(calibrate.command)
 app.add_typer(logs.app, name="logs")
 app.add_typer(gap.app, name="gap")
 

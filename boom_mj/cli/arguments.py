@@ -5,9 +5,10 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperCommand
 
 from boom_mj.errors import InputError, MachineFileError, SimulationError
 from boom_mj.files import read_text, sweep, write_text
@@ -20,6 +21,25 @@ Cluster = Annotated[
     str | None,
     typer.Option(metavar="ADDRESS", help="Dask scheduler whose workers share it instead; they see the same folders."),
 ]
+
+
+class ManyHoldouts(TyperCommand):
+    """`--holdout A B C` means `--holdout A --holdout B --holdout C`."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        spread: list[str] = []
+        within = False
+        for word in args:
+            if word == "--holdout":
+                within = True
+            elif word.startswith("-"):
+                within = False
+                spread.append(word)
+            elif within:
+                spread += ["--holdout", word]
+            else:
+                spread.append(word)
+        return super().parse_args(ctx, spread)
 
 
 def find_machine(name: str) -> Machine:

@@ -8,10 +8,9 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from typer.core import TyperCommand
 
 from boom_mj.cli import blind
-from boom_mj.cli.arguments import find_machine, machine_text, output_folder, output_path
+from boom_mj.cli.arguments import ManyHoldouts, find_machine, machine_text, output_folder, output_path
 from boom_mj.effects import effect_library
 from boom_mj.effects.general_effect import general_library
 from boom_mj.errors import InputError
@@ -22,25 +21,6 @@ from boom_mj.recording import Recording, named_signal
 
 app = typer.Typer(help="Diagnose the gap between simulator and machine.", no_args_is_help=True)
 app.add_typer(blind.app, name="blind")
-
-
-class ManyHoldouts(TyperCommand):
-    """`--holdout A B C` means `--holdout A --holdout B --holdout C`."""
-
-    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        spread: list[str] = []
-        within = False
-        for word in args:
-            if word == "--holdout":
-                within = True
-            elif word.startswith("-"):
-                within = False
-                spread.append(word)
-            elif within:
-                spread += ["--holdout", word]
-            else:
-                spread.append(word)
-        return super().parse_args(ctx, spread)
 
 
 @app.command()

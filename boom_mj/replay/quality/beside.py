@@ -85,5 +85,3 @@ def by_case(cases: Mapping[int, Mapping[Case, float]]) -> dict[Case, dict[int, f
         for case, number in numbers.items():
             found.setdefault(case, {})[index] = number
     return found
-
-

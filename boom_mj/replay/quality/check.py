@@ -148,9 +148,7 @@ def _checked(evidence: Evidence, checks: Sequence[Check]) -> CheckedRecordings:
 def _names(recordings: Sequence[Recording]) -> list[str]:
     """Names of recordings, numbered where they are alike."""
     names = [log.name for log in recordings]
-    return [
-        f"{name} ({names[: k + 1].count(name)})" if names.count(name) > 1 else name for k, name in enumerate(names)
-    ]
+    return [f"{name} ({names[: k + 1].count(name)})" if names.count(name) > 1 else name for k, name in enumerate(names)]
 
 
 @cache

@@ -80,10 +80,7 @@ def rearranged(sources: Mapping[str, str]) -> Edit:
     """Signals that take each other's places: name -> the one whose samples it takes."""
 
     def edit(recording: Recording) -> Recording:
-        found = {
-            name: replace(recording[source], frame=recording[name].frame)
-            for name, source in sources.items()
-        }
+        found = {name: replace(recording[source], frame=recording[name].frame) for name, source in sources.items()}
         return recording.with_signals(found)
 
     return edit

@@ -43,6 +43,8 @@ class Evidence:
         self.rates = sample_rates(machine) if machine else {}
         self._twins: dict[tuple[int, ...], tuple[Recording, Replay | None]] = {}
         self._dense: dict[int, dict[str, Signal]] = {}
+        self._sampled: dict[tuple[int, str, int, float], Array] = {}
+        self._kept: list[Recording] = []
 
     @property
     def indices(self) -> tuple[int, ...]:
@@ -102,7 +104,11 @@ class Evidence:
             return None
         if id(twin) not in self._dense:
             self._dense[id(twin)] = ideal_signals(twin.trajectory)
-        return sample(self._dense[id(twin)][name], log[name].time - self.start(index) - lag)
+        key = (id(twin), name, id(log[name].time), lag)
+        if key not in self._sampled:
+            self._sampled[key] = sample(self._dense[id(twin)][name], log[name].time - self.start(index) - lag)
+            self._kept.append(log)  # so that ids stay theirs
+        return self._sampled[key]
 
     def finding(
         self,

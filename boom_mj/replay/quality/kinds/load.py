@@ -57,8 +57,9 @@ class Load(Check):
         repair, change = None, 1.0
         if unit is not None:
             word, change = unit
-            text, repair = f"acts {factor:.4g} times as strongly as logged, as if in {word} instead of N", Repair(
-                LOAD, unit=word
+            text, repair = (
+                f"acts {factor:.4g} times as strongly as logged, as if in {word} instead of N",
+                Repair(LOAD, unit=word),
             )
         elif told > EXPLAINED and factor < 0 and 1 / OFF < -factor < OFF:
             text, change, repair = "acts the other way round", -1.0, Repair(LOAD, sign=-1)
@@ -72,13 +73,9 @@ class Load(Check):
         if plain is None:
             return
         tried = [_rope(evidence, log, plain.twin, moment) for moment in (cut, cut + _step(log))]
-        explained, force = max(tried, key=lambda found: found[0])
-        if explained < EXPLAINED:
+        if max(tried) < EXPLAINED:
             return
-        pull = ", ".join(f"{ROPE * f:.0f}" for f in force)
-        text = (
-            f"is not logged: the boom swings from {cut - evidence.start(index):.2f} s on as if a rope of ({pull}) N were cut"
-        )
+        text = f"is not logged: from {cut - evidence.start(index):.2f} s on the boom swings as if a rope had been cut"
         part = range(evidence.training) if index < evidence.training else range(evidence.training, len(evidence.names))
         others = any(k in part for k in evidence.indices if k != index)
         action = Action.LEFT_OUT if others else Action.SAID
@@ -113,19 +110,19 @@ def _step(log: Recording) -> float:
     return float(np.median(np.diff(log[DRIVE].time)))
 
 
-def _rope(evidence: Evidence, log: Recording, plain: Recording, cut: float) -> tuple[float, Array]:
-    """Share of what the model leaves that a rope explains which is cut at a moment, and its pull, (3,), in ROPE."""
+def _rope(evidence: Evidence, log: Recording, plain: Recording, cut: float) -> float:
+    """Share of what the model leaves that a rope explains which is cut at a moment."""
     rest, columns, time = _about(evidence, log, plain, log, cut), [], log[DRIVE].time
     for axis in range(3):
         pull = np.where(time[:, None] < cut, ROPE * np.eye(3)[axis], 0.0)
         twin = _twin(evidence, log.with_signals({LOAD: named_signal(LOAD, time, pull)}))
         if twin is None:
-            return 0.0, np.zeros(3)
+            return 0.0
         columns.append(_about(evidence, twin, plain, log, cut))
     effect = np.stack(columns, axis=1)
     force, *_ = np.linalg.lstsq(effect, rest, rcond=None)
     left = rest - effect @ force
-    return 1 - float(left @ left) / max(float(rest @ rest), 1e-300), force
+    return 1 - float(left @ left) / max(float(rest @ rest), 1e-300)
 
 
 def _blow(evidence: Evidence, index: int) -> float | None:
@@ -147,4 +144,3 @@ def _blow(evidence: Evidence, index: int) -> float | None:
     around = np.abs(joints.time - time[first]) < 1.0
     still = np.ptp(joints.values[around], axis=0) < 10 * evidence.noise(index, DRIVE)
     return float(time[first]) if around.any() and still.all() else None
-

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from boom_mj.replay.quality.assessment import quiet_noise
-from boom_mj.replay.quality.check import Check, Found, Turn
 from boom_mj.replay.quality.channels import resolution
+from boom_mj.replay.quality.check import Check, Found, Turn
 from boom_mj.replay.quality.edits import DRIVE
 from boom_mj.replay.quality.evidence import Evidence
 from boom_mj.replay.quality.finding import Action

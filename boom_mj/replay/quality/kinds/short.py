@@ -25,9 +25,7 @@ class Short(Check):
                 what = "teach" if index < evidence.training else "judge by"
                 text = f"lasts {lasts[index]:.2f} s, too short to {what}: {SHORTEST:g} s are needed"
                 action = Action.LEFT_OUT if others else Action.SAID
-                yield Found(
-                    index, evidence.finding(self.kind, index, "", text, action, not others), leave_out=others
-                )
+                yield Found(index, evidence.finding(self.kind, index, "", text, action, not others), leave_out=others)
 
 
 def _duration(evidence: Evidence, index: int) -> float:

@@ -64,7 +64,5 @@ def _turned(evidence: Evidence, names: Sequence[str]) -> Iterator[Found]:
                 else "is turned in other logs, and nothing here speaks against it"
             )
             repair = Repair(name, channel, sign=-1)
-            finding = evidence.finding(
-                "sign", index, f"{name}/{channel}", text, Action.REPAIRED, True, repair=repair
-            )
+            finding = evidence.finding("sign", index, f"{name}/{channel}", text, Action.REPAIRED, True, repair=repair)
             yield Found(index, finding, mapped(name, turned, np.zeros_like(turned)))

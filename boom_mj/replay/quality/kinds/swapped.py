@@ -9,7 +9,7 @@ from boom_mj.recording import QUANTITIES
 from boom_mj.recording.names import AXES, FLEXIBLE_LINKS
 from boom_mj.replay.quality.beside import CLEAR, Pair, concerned, having, pairs
 from boom_mj.replay.quality.check import Check, Found, Turn
-from boom_mj.replay.quality.edits import DRIVE, Edit, rearranged, reordered, together, mapped
+from boom_mj.replay.quality.edits import DRIVE, Edit, mapped, rearranged, reordered, together
 from boom_mj.replay.quality.evidence import Evidence
 from boom_mj.replay.quality.finding import Action, Repair
 
@@ -55,16 +55,25 @@ def _imus(evidence: Evidence) -> Iterator[Found]:
             for index, pair in pairs(evidence, f"imu/link{link}/{kind}"):
                 both.setdefault(index, [[] for _ in KINDS])[KINDS.index(kind)].append(pair)
     for index, kinds in both.items():
-        if all(len(found) == len(FLEXIBLE_LINKS) for found in kinds) and len({len(p.measured) for k in kinds for p in k}) == 1:
-            misfit[index] = sum(_misfit(np.stack([p.measured for p in k]), np.stack([p.expected for p in k])) for k in kinds)
+        if (
+            all(len(found) == len(FLEXIBLE_LINKS) for found in kinds)
+            and len({len(p.measured) for k in kinds for p in k}) == 1
+        ):
+            misfit[index] = sum(
+                _misfit(np.stack([p.measured for p in k]), np.stack([p.expected for p in k])) for k in kinds
+            )
     for cycle, indices in _cycles(misfit, tuple(misfit)).items():
         names = [f"imu/link{FLEXIBLE_LINKS[i]}" for i, _ in cycle]
         for index in indices:
             sources = {
-                f"imu/link{FLEXIBLE_LINKS[i]}/{kind}": f"imu/link{FLEXIBLE_LINKS[j]}/{kind}" for i, j in cycle for kind in KINDS
+                f"imu/link{FLEXIBLE_LINKS[i]}/{kind}": f"imu/link{FLEXIBLE_LINKS[j]}/{kind}"
+                for i, j in cycle
+                for kind in KINDS
             }
-            text = f"fits the place of {names[1]}, and the other way round" if len(cycle) == 2 else (
-                f"is in a ring with {', '.join(names[1:])}"
+            text = (
+                f"fits the place of {names[1]}, and the other way round"
+                if len(cycle) == 2
+                else (f"is in a ring with {', '.join(names[1:])}")
             )
             for number, (i, j) in enumerate(cycle):
                 place, source = f"imu/link{FLEXIBLE_LINKS[i]}", f"imu/link{FLEXIBLE_LINKS[j]}"
@@ -78,7 +87,8 @@ def _imus(evidence: Evidence) -> Iterator[Found]:
 def _columns(evidence: Evidence, name: str) -> Iterator[Found]:
     """Single channels of a signal."""
     misfit = {
-        index: _misfit(pair.measured.T[:, :, None], pair.expected.T[:, :, None]) for index, pair in pairs(evidence, name)
+        index: _misfit(pair.measured.T[:, :, None], pair.expected.T[:, :, None])
+        for index, pair in pairs(evidence, name)
     }
     channels = QUANTITIES[name].channels
     for cycle, indices in _cycles(misfit, having(evidence, name)).items():
@@ -193,5 +203,3 @@ def _split(permutation: Array) -> list[Cycle]:
         if len(cycle) > 1:
             found.append(tuple(cycle))
     return found
-
-

@@ -117,5 +117,3 @@ def named_unit(si: str, scale: float) -> tuple[str, float] | None:
         if abs(np.log(scale * choices[word])) < np.log(NEAR):
             return word, choices[word]
     return None
-
-
