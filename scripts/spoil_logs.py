@@ -2,11 +2,11 @@
 
     python scripts/spoil_logs.py FOLDER [--sets 500] [--clean 100] [--seed 1] [--keep FILE.jsonl]
 
-FOLDER holds cases as the blind check makes them: CASE/train/*.mcap and CASE/holdout/*.mcap. Every set is a case with its
-noise drawn anew (the samples' own, scattered a little) and one to three faults of random kind, channel, place and size,
-in all logs or in some. A fault is named if a finding of its kind is at its channel in at least one of its logs; other
-findings on a set are counted as false where they are at other channels. Clean sets have new noise only. What is done is
-kept line by line in FILE.jsonl, and a second call goes on.
+FOLDER holds cases as the blind check makes them: CASE/train/*.mcap and CASE/holdout/*.mcap. Every set is a case with
+its noise drawn anew (the samples' own, scattered a little) and one to three faults of random kind, channel, place and
+size, in all logs or in some. A fault is named if a finding of its kind is at its channel in at least one of its logs;
+findings at other channels are counted as false. Clean sets have new noise only. What is done is kept line by line in
+FILE.jsonl, and a second call goes on.
 """
 
 import argparse

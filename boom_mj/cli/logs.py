@@ -72,7 +72,7 @@ def check(
         str | None, typer.Option("--json", metavar="FILE", help="Findings as JSON; - for stdout.")
     ] = None,
 ) -> None:
-    """Say what is wrong with logs, before any physics: one sentence a finding. Exit status 0 nothing, 1 something found.
+    """Say what is wrong with logs, before any physics: a sentence a finding. Exit status 0 nothing, 1 something found.
 
     Example: python -m boom_mj logs check a.mcap b.mcap --holdout c.mcap --fix map.toml
     """

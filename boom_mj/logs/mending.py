@@ -1,7 +1,7 @@
 """Topic maps that mend what is wrong with a log: the map it was read with, and repairs of its signals on top.
 
-Every channel is taken by itself - topic, field, name, sign, offset, unit -, repaired, and joined again with those of its
-signal that still come from one place.
+Every channel is taken by itself - topic, field, name, sign, offset, unit -, repaired, and joined again with those of
+its signal that still come from one place.
 """
 
 from collections.abc import Iterator, Sequence
@@ -55,14 +55,10 @@ def _wires(entry: Entry) -> Iterator[_Wire]:
     channels = entry.channels or QUANTITIES[entry.signal].channels
     points = QUANTITIES[entry.signal].points
     for k, channel in enumerate(channels):
-        if entry.source:
-            name = entry.source[k]
-        else:
-            name = f"{k // len(AXES)}/{AXES[k % len(AXES)]}" if points else channel
-        sign, offset = (
-            (given[k] if len(given) > 1 else given[0]) if given else 0 for given in (entry.sign, entry.offset)
-        )
-        yield _Wire(entry, channel, name, int(sign) or 1, float(offset), entry.unit)
+        point = f"{k // len(AXES)}/{AXES[k % len(AXES)]}"
+        name = entry.source[k] if entry.source else point if points else channel
+        sign, offset = (float(given[k % len(given)]) if given else 0.0 for given in (entry.sign, entry.offset))
+        yield _Wire(entry, channel, name, int(sign) or 1, offset, entry.unit)
 
 
 def _mend(wires: dict[str, dict[str, _Wire]], before: dict[str, dict[str, _Wire]], repair: Repair) -> None:

@@ -1,5 +1,6 @@
 """All checks in turn, each on what the ones before have left."""
 
+import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -126,15 +127,14 @@ def check_channels(recordings: Sequence[Recording], names: Sequence[str] = ()) -
 def _checked(evidence: Evidence, checks: Sequence[Check]) -> CheckedRecordings:
     findings: list[tuple[int, DataFinding]] = []
     noise: dict[int, dict[str, Array]] = {}
-    for check in checks:
-        for found in check.look(evidence):
-            findings.append((found.index, found.finding))
-            evidence.recordings[found.index] = found.edit(evidence.recordings[found.index])
-            for name, level in found.noise.items():
-                before = noise.setdefault(found.index, {}).get(name, level)
-                noise[found.index][name] = np.maximum(before, level)
-            if found.leave_out:
-                evidence.left_out.add(found.index)
+    for found in _looked(evidence, checks):
+        findings.append((found.index, found.finding))
+        evidence.recordings[found.index] = found.edit(evidence.recordings[found.index])
+        for name, level in found.noise.items():
+            before = noise.setdefault(found.index, {}).get(name, level)
+            noise[found.index][name] = np.maximum(before, level)
+        if found.leave_out:
+            evidence.left_out.add(found.index)
     kept = evidence.indices
     return CheckedRecordings(
         recordings=tuple(evidence.recordings[k] for k in kept),
@@ -143,6 +143,13 @@ def _checked(evidence: Evidence, checks: Sequence[Check]) -> CheckedRecordings:
         findings=tuple(finding for _, finding in sorted(findings, key=lambda pair: pair[0])),
         noise=tuple(MappingProxyType(noise.get(k, {})) for k in kept),
     )
+
+
+def _looked(evidence: Evidence, checks: Sequence[Check]) -> Iterator[Found]:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # of channels without any number, which numpy calls empty
+        for check in checks:
+            yield from check.look(evidence)
 
 
 def _names(recordings: Sequence[Recording]) -> list[str]:

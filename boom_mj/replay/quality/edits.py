@@ -23,7 +23,7 @@ def together(edits: Sequence[Edit]) -> Edit:
 
 
 def blanked(name: str, bad: Array) -> Edit:
-    """Without the samples where `bad` (n, k) is: NaN; joint angles are bridged, along the command where there is one."""
+    """Without the samples where `bad` (n, k) is: NaN; joint angles are bridged, along a command if there is one."""
 
     def edit(recording: Recording) -> Recording:
         signal = recording[name]

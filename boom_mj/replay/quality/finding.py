@@ -26,7 +26,7 @@ class Repair:
         unit: of the logged numbers.
         sign: 1 or -1.
         offset: to add, in the signal's SI unit.
-        source: signal, or channel of this signal, that feeds it now and must feed it no longer: its place is the other's.
+        source: sensor, or channel of this signal, whose topic or name in the log must feed it instead of its own.
     """
 
     signal: str

@@ -25,8 +25,8 @@ class AtRest(Check):
             return
         for index in training:
             text = (
-                f"shows the boom at rest, as all logs to learn from do (no channel moves by {MOVES:g} times its noise): "
-                "it tells loads and springs, and nothing of dampers, clocks and friction"
+                f"shows the boom at rest, as all logs to learn from do (no channel moves by {MOVES:g} times its "
+                "noise): it tells loads and springs, and nothing of dampers, clocks and friction"
             )
             yield Found(index, evidence.finding(self.kind, index, "", text, Action.SAID, True))
 

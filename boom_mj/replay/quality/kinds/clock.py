@@ -1,6 +1,7 @@
 """Clocks that jump, run at another pace, or are late with the joints."""
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
@@ -19,7 +20,7 @@ ALIKE = 0.4  # how far what a jump or pace explains may be from how much later t
 
 
 class ClockJumps(Check):
-    """A sensor whose stamps leap at one step and that ends later than all others by that leap: no message is missing."""
+    """A sensor whose stamps leap at a step and that ends later than the others by that leap: no message is missing."""
 
     kind = "clock"
     turn = Turn.STAMPS
@@ -41,14 +42,14 @@ class ClockJumps(Check):
                 finding = evidence.finding(
                     self.kind, index, sensor, text, Action.REPAIRED, True, (when, float(time[-1]))
                 )
-                yield Found(index, finding, restamped(names, lambda t, w=when, d=leap: np.where(t > w, t - d, t)))
+                yield Found(index, finding, restamped(names, partial(_without_leap, when, leap)))
 
 
 class ClockPace(Check):
     """A sensor whose steps are not the machine file's, and that ends as much later, or earlier, than the others.
 
-    A sensor that merely samples at another rate ends with the others. What one recording shows, the others have too where
-    their steps are the same.
+    A sensor that merely samples at another rate ends with the others. What one recording shows, the others have too
+    where their steps are the same.
     """
 
     kind = "clock"
@@ -77,7 +78,19 @@ class ClockPace(Check):
                 text = f"stamps run {1e3 * (own - 1):+.3f} per mille too fast, away from those of the other sensors"
                 finding = evidence.finding(self.kind, index, sensor, text, Action.REPAIRED, True)
                 names = evidence.sensors(index)[sensor]
-                yield Found(index, finding, restamped(names, lambda t, p=own: t[0] + (t - t[0]) / p))
+                yield Found(index, finding, restamped(names, partial(_slower, own)))
+
+
+def _without_leap(when: float, leap: float, time: Array) -> Array:
+    return np.where(time > when, time - leap, time)
+
+
+def _slower(pace: float, time: Array) -> Array:
+    return time[0] + (time - time[0]) / pace
+
+
+def _earlier(late: float, time: Array) -> Array:
+    return time - late
 
 
 def _later(evidence: Evidence, index: int, sensor: str) -> float | None:
@@ -98,8 +111,8 @@ STREAMS = ("imu/", "markers")
 class JointsLate(Check):
     """Joint angles stamped too late: every other sensor seems to precede the model that they drive.
 
-    Judged on the recording whose joints move most. A drive that follows its command late is none: there the sensors agree
-    with the joints. That one stream alone is late is a cause (clock_offset).
+    Judged on the recording whose joints move most. A drive that follows its command late is none: there the sensors
+    agree with the joints. That one stream alone is late is a cause (clock_offset).
     """
 
     kind = "clock"
@@ -132,7 +145,7 @@ class JointsLate(Check):
             text = f"stamps are {late:+.3f} s late: other sensors precede the model that the joints drive, {said}"
             finding = evidence.finding(self.kind, index, DRIVE, text, Action.REPAIRED, True)
             there = [name for name in names if name in evidence.recordings[index]]
-            yield Found(index, finding, restamped(there, lambda t, d=late: t - d))
+            yield Found(index, finding, restamped(there, partial(_earlier, late)))
 
 
 def _behind(evidence: Evidence, index: int) -> float | None:

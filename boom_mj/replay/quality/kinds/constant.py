@@ -46,7 +46,7 @@ class Constant(Check):
                 elif len(where.T) > 1 and _alike(where) and name != DRIVE:
                     yield self._found(evidence, index, name, name, where[:, 0], blanked(name, where))
                 else:
-                    for column in np.flatnonzero(where.any(axis=0)):
+                    for column in map(int, np.flatnonzero(where.any(axis=0))):
                         only = where & (np.arange(where.shape[1]) == column)
                         channel = f"{name}/{log[name].channels[column]}" if where.shape[1] > 1 else name
                         rests = name == DRIVE and _rests(log, column, only[:, column], evidence.noise(index, name))

@@ -26,13 +26,11 @@ class Quantised(Check):
                 signal = evidence.recordings[index][name]
                 level = evidence.noise(index, name)
                 steps = np.array([resolution(values) for values in signal.values.T])
-                if name in evidence.levels:
-                    coarse = steps > COARSE * level
-                else:
-                    coarse = steps > _ranges(signal.values) / FEW
+                known = name in evidence.levels
+                coarse = steps > (COARSE * level if known else _ranges(signal.values) / FEW)
                 for column in np.flatnonzero(coarse):
                     text = f"comes in steps of {steps[column]:.4g} {signal.unit}"
-                    if name in evidence.levels:
+                    if known:
                         text += f", {steps[column] / level[column]:.1f} times its noise"
                     raised = np.zeros_like(level)
                     raised[column] = np.hypot(level[column], steps[column] / np.sqrt(12))

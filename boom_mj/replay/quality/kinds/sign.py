@@ -47,7 +47,7 @@ def _turned(evidence: Evidence, names: Sequence[str]) -> Iterator[Found]:
             most, least = np.max(worse, axis=0), np.min(worse, axis=0)
             both = np.where(most * least > 1, most, least)  # the clearer one
             told = np.max([part.power for part in (pair, pair.moving)], axis=0) > SHOWN
-            ratios.setdefault(index, {}).update({(name, k): both[k] for k in np.flatnonzero(told)})
+            ratios.setdefault(index, {}).update({(name, int(k)): float(both[k]) for k in np.flatnonzero(told)})
     ratios = {
         index: found
         for index, found in ratios.items()

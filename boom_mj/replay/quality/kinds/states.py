@@ -59,8 +59,8 @@ class States(Check):
                 known += [(index, rest) for rest in rests]
                 continue
             text = (
-                f"shows another state of the machine than {evidence.names[worst[1]]}: in the same pose under the same load "
-                f"{FEWEST} marker coordinates or more are {worst[0]:.0f} times their noise elsewhere"
+                f"shows another state of the machine than {evidence.names[worst[1]]}: in the same pose under the same "
+                f"load {FEWEST} marker coordinates or more are {worst[0]:.0f} times their noise elsewhere"
             )
             yield Found(index, evidence.finding(self.kind, index, "", text, Action.SAID, True))
 

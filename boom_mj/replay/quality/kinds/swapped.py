@@ -1,6 +1,6 @@
 """Plugs, points or axes that have taken each other's places."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -48,40 +48,30 @@ class Swapped(Check):
 
 
 def _imus(evidence: Evidence) -> Iterator[Found]:
-    misfit: dict[int, Array] = {}
-    both: dict[int, list[list[Pair]]] = {}
+    """Whole IMUs, by both of their signals."""
+    both: dict[int, list[Pair]] = {}
     for kind in KINDS:
         for link in FLEXIBLE_LINKS:
             for index, pair in pairs(evidence, f"imu/link{link}/{kind}"):
-                both.setdefault(index, [[] for _ in KINDS])[KINDS.index(kind)].append(pair)
-    for index, kinds in both.items():
-        if (
-            all(len(found) == len(FLEXIBLE_LINKS) for found in kinds)
-            and len({len(p.measured) for k in kinds for p in k}) == 1
-        ):
-            misfit[index] = sum(
-                _misfit(np.stack([p.measured for p in k]), np.stack([p.expected for p in k])) for k in kinds
-            )
+                both.setdefault(index, []).append(pair)
+    misfit: dict[int, Array] = {}
+    count = len(FLEXIBLE_LINKS)
+    for index, found in both.items():
+        if len(found) == 2 * count and len({len(pair.measured) for pair in found}) == 1:
+            kinds = (found[:count], found[count:])
+            parts = [_misfit([p.measured for p in k], [p.expected for p in k]) for k in kinds]
+            misfit[index] = parts[0] + parts[1]
+    places = [f"imu/link{link}" for link in FLEXIBLE_LINKS]
     for cycle, indices in _cycles(misfit, tuple(misfit)).items():
-        names = [f"imu/link{FLEXIBLE_LINKS[i]}" for i, _ in cycle]
+        edit = rearranged({f"{places[i]}/{kind}": f"{places[j]}/{kind}" for i, j in cycle for kind in KINDS})
         for index in indices:
-            sources = {
-                f"imu/link{FLEXIBLE_LINKS[i]}/{kind}": f"imu/link{FLEXIBLE_LINKS[j]}/{kind}"
-                for i, j in cycle
-                for kind in KINDS
-            }
-            text = (
-                f"fits the place of {names[1]}, and the other way round"
-                if len(cycle) == 2
-                else (f"is in a ring with {', '.join(names[1:])}")
-            )
+            told = _told(misfit.get(index), cycle)
             for number, (i, j) in enumerate(cycle):
-                place, source = f"imu/link{FLEXIBLE_LINKS[i]}", f"imu/link{FLEXIBLE_LINKS[j]}"
-                text = f"does not fit its place; {source} does, {_told(misfit.get(index), cycle)}"
                 finding = evidence.finding(
-                    "swapped", index, place, text, Action.REPAIRED, True, repair=Repair(place, source=source)
-                )
-                yield Found(index, finding, rearranged(sources) if number == len(cycle) - 1 else together([]))
+                    "swapped", index, places[i], f"does not fit its place; {places[j]} does, {told}",
+                    Action.REPAIRED, True, repair=Repair(places[i], source=places[j]),
+                )  # fmt: skip
+                yield Found(index, finding, edit if number == len(cycle) - 1 else together([]))
 
 
 def _columns(evidence: Evidence, name: str) -> Iterator[Found]:
@@ -120,14 +110,12 @@ def _markers(evidence: Evidence) -> Iterator[Found]:
 
 
 def _axes(evidence: Evidence, name: str) -> Iterator[Found]:
-    """Axes of an IMU, which may come with turned signs."""
+    """Axes of an IMU, with whatever signs: one that is only turned is no swap."""
     misfit, signs = {}, {}
     for index, pair in pairs(evidence, name):
         cross = np.nanmean(pair.measured[:, None, :] * pair.expected[:, :, None], axis=0)  # (place, measured)
         square = np.nanmean(pair.measured**2, axis=0)[None] + pair.power[:, None]
-        plain = square - 2 * cross
         turned = square - 2 * np.abs(cross)
-        np.fill_diagonal(turned, np.diag(plain))
         misfit[index], signs[index] = np.maximum(turned, 1e-9), np.sign(cross)
     for cycle, indices in _cycles(misfit, having(evidence, name)).items():
         told = max(misfit, key=lambda k: _ratio(misfit[k], cycle))
@@ -161,7 +149,7 @@ def _said(
         yield Found(index, finding, edit if number == len(places) - 1 else together([]))
 
 
-def _misfit(measured: Array, expected: Array) -> Array:
+def _misfit(measured: Sequence[Array] | Array, expected: Sequence[Array] | Array) -> Array:
     """E (k, k) of k sensors' samples, (k, n, axes) both: expected down, measured across."""
     return np.array([[np.nanmean((m - p) ** 2) for m in measured] for p in expected])
 

@@ -22,8 +22,8 @@ class ZeroOffset(Check):
     """Reading less command at rest: where it differs between recordings at the same angle, a sensor was zeroed anew.
 
     The reading is brought back to that of the first training recording, or to its command where it is off by more than
-    any zero offset. An error that is a function of the angle - a nonlinear sensor - is a cause and no finding, and so is
-    a zero offset of ordinary size that all recordings share.
+    any zero offset. An error that is a function of the angle - a nonlinear sensor - is a cause and no finding, and so
+    is a zero offset of ordinary size that all recordings share.
     """
 
     kind = "zero offset"
