@@ -47,7 +47,7 @@ def _bridged(recording: Recording, bad: Array) -> Array:
             beyond[:, column] = np.interp(joints.time, joints.time[good], beyond[good, column])
         elif COMMAND in recording:
             beyond[:, column] = 0.0
-    return command + beyond
+    return np.where(bad, command + beyond, joints.values)
 
 
 def _commanded(recording: Recording, joints: Signal) -> Array:

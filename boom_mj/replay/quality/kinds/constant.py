@@ -14,6 +14,7 @@ from boom_mj.replay.quality.finding import Action
 Array = np.ndarray
 COARSE = 2.0  # times the noise: in steps as wide a channel repeats itself in good health
 STILL = 5.0  # times the noise, by which a command must move for a joint that rests to be wrong
+LONG = 0.1  # of a recording, that a channel must stand if its noise is not known: friction makes things stand
 FEW_LEVELS = 50  # of a channel that has no known noise: with fewer it is a switch or a coarse encoder
 
 
@@ -57,15 +58,18 @@ class Constant(Check):
         signal, noise = evidence.recordings[index][name], evidence.noise(index, name)
         bad = np.zeros(signal.values.shape, bool)
         for column, values in enumerate(signal.values.T):
-            step, own = coarse[name, column], own_noise(values)
-            level = min(noise[column], own) if own else noise[column]
+            step, own = coarse[name, column], _while_it_moves(values)
+            level = min(noise[column] or own, own or noise[column])
             if name in evidence.levels:
                 if step > COARSE * level:
                     continue
             elif level == 0 or len(np.unique(values)) < FEW_LEVELS:
                 continue
             ends = limits(values, level)
-            for start, stop in runs(values, shortest_run(step, level)):
+            least = shortest_run(step, level)
+            if name not in evidence.levels:
+                least = max(least, int(LONG * len(values)))
+            for start, stop in runs(values, least):
                 at_end = values[start] in ends and (values == values[start]).sum() > stop - start
                 bad[start:stop, column] = not at_end
         return bad
@@ -101,6 +105,11 @@ class Constant(Check):
             self.kind, index, channel, text, action, rests or name == DRIVE, (float(time[first]), float(time[last]))
         )
         return Found(index, finding, edit)  # type: ignore[arg-type]
+
+
+def _while_it_moves(values: Array) -> float:
+    """Noise of the samples that differ from those before them."""
+    return own_noise(values[1:][np.diff(values) != 0])
 
 
 def _alike(bad: Array) -> bool:

@@ -37,10 +37,10 @@ class Noisy(Check):
                     ratio = own / expected[column]
                     if low <= ratio <= high:
                         continue
-                    raised = np.zeros_like(expected)
-                    raised[column] = own if ratio > high else 0.0
+                    raised = expected.copy()
+                    raised[column] = max(own, expected[column])
                     text = f"scatters by {own:.3g} {signal.unit}, {ratio:.2g} times what the machine file says"
                     action = Action.NOISE_RAISED if ratio > high and name != DRIVE else Action.SAID
                     channel = f"{name}/{signal.channels[column]}"
                     finding = evidence.finding(self.kind, index, channel, text, action, True)
-                    yield Found(index, finding, noise={name: raised})
+                    yield Found(index, finding, noise={name: raised} if ratio > high else {})

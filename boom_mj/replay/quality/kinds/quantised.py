@@ -32,7 +32,7 @@ class Quantised(Check):
                     text = f"comes in steps of {steps[column]:.4g} {signal.unit}"
                     if known:
                         text += f", {steps[column] / level[column]:.1f} times its noise"
-                    raised = np.zeros_like(level)
+                    raised = level.copy()
                     raised[column] = np.hypot(level[column], steps[column] / np.sqrt(12))
                     channel = f"{name}/{signal.channels[column]}" if len(signal.channels) > 1 else name
                     finding = evidence.finding(self.kind, index, channel, text, Action.NOISE_RAISED, True)

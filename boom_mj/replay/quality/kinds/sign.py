@@ -4,13 +4,14 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from boom_mj.replay.quality.beside import SHOWN, by_case, concerned, having, pairs
+from boom_mj.replay.quality.beside import SHOWN, Pair, by_case, concerned, having, pairs
 from boom_mj.replay.quality.check import Check, Found, Turn
 from boom_mj.replay.quality.edits import DRIVE, mapped
 from boom_mj.replay.quality.evidence import Evidence
 from boom_mj.replay.quality.finding import Action, Repair
 
 TURNED = 5.0  # times better with the sign turned; sound logs reach 2.6, of a channel that a base tilts
+DELAYS = np.arange(-2.0, 2.01, 0.08)  # s, of a late clock: an eighth of a period of the second mode apart
 MANY = 0.5  # of the IMUs' channels: as many are turned by a clock that is half a period late
 
 
@@ -36,6 +37,19 @@ class Sign(Check):
         yield from _turned(evidence, [name for name in names if not name.startswith("imu/")])
 
 
+def _at_any_delay(evidence: Evidence, index: int, name: str) -> np.ndarray:
+    """How much better the swings fit with the other sign if each sign may have a delay of its own, (k,)."""
+    signal, noise = evidence.recordings[index][name], evidence.noise(index, name)
+    misfits: dict[int, list[np.ndarray]] = {1: [], -1: []}
+    for delay in DELAYS:
+        predicted = evidence.predicted(index, name, float(delay))
+        if predicted is not None:
+            pair = Pair(signal.values / noise, predicted / noise).moving
+            for sign, found in misfits.items():
+                found.append(pair.misfit(sign))
+    return np.min(misfits[1], axis=0) / np.min(misfits[-1], axis=0)
+
+
 def _turned(evidence: Evidence, names: Sequence[str]) -> Iterator[Found]:
     """Findings on signals among which not most are turned."""
     ratios: dict[int, dict[tuple[str, int], float]] = {}
@@ -46,6 +60,9 @@ def _turned(evidence: Evidence, names: Sequence[str]) -> Iterator[Found]:
                 worse.append(np.where(part.power > SHOWN, part.misfit() / part.misfit(-1), 1.0))
             most, least = np.max(worse, axis=0), np.min(worse, axis=0)
             both = np.where(most * least > 1, most, least)  # the clearer one
+            late = (both > TURNED) & (pair.moving.power > pair.power / 2) & name.startswith("imu/")
+            if late.any():  # by its swings alone, which a late clock turns as well
+                both = np.where(late, np.minimum(both, _at_any_delay(evidence, index, name)), both)
             told = np.max([part.power for part in (pair, pair.moving)], axis=0) > SHOWN
             ratios.setdefault(index, {}).update({(name, int(k)): float(both[k]) for k in np.flatnonzero(told)})
     ratios = {

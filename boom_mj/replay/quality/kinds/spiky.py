@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from scipy.ndimage import median_filter
 
-from boom_mj.replay.quality.channels import own_noise
+from boom_mj.replay.quality.channels import own_noise, resolution
 from boom_mj.replay.quality.check import Check, Found, Turn
 from boom_mj.replay.quality.edits import blanked
 from boom_mj.replay.quality.evidence import Evidence, sensor_of
@@ -18,6 +18,7 @@ AROUND = 51  # samples
 ROUNDS = 12
 TOGETHER, AFTER = 0.06, 0.3  # s within which two sensors see one blow, and how long it rings
 FEWEST = 5  # left of them in a channel
+MOST = 0.05  # of the samples of a channel whose noise is not known: with more it is that kind of channel
 SHARE = 0.01  # of an accelerometer's samples: blows of play that it sees alone make half as many
 WHITE = np.sqrt(1 + 2 * (4 / 6) ** 2 + 2 * (1 / 6) ** 2)  # noise of sample less interpolation
 
@@ -60,7 +61,10 @@ class Spiky(Check):
         for name in evidence.measured(index):
             signal, noise = evidence.recordings[index][name], evidence.noise(index, name)
             columns = zip(signal.values.T, noise)
-            bad = np.stack([outliers(values, max(level, own_noise(values))) for values, level in columns], axis=1)
+            levels = [(values, max(level, own_noise(values), resolution(values))) for values, level in columns]
+            bad = np.stack([outliers(values, level) for values, level in levels], axis=1)
+            if name not in evidence.levels:
+                bad &= bad.mean(axis=0) < MOST
             if bad.any():
                 found[name] = bad
         return found
