@@ -94,7 +94,7 @@ def test_messages_recorded_late_are_sorted_by_their_stamps() -> None:
     order = np.arange(1000, dtype=float)
     order[::100] += 25.5  # recorded half a second later
     recorded = np.argsort(order, kind="stable")
-    with pytest.warns(LogWarning, match="put in their place"):
+    with pytest.warns(LogWarning, match=r"put in their place"):
         back, values = in_order(stamps[recorded], recorded[:, None].astype(float), "/imu/link3")
     assert np.array_equal(back, stamps) and np.array_equal(values[:, 0], np.arange(1000))
 
@@ -103,7 +103,7 @@ def test_messages_recorded_late_are_sorted_by_their_stamps() -> None:
 def test_a_clock_set_back_is_still_refused(shift: float) -> None:
     stamps = np.arange(1000) * 20_000_000
     stamps[970:] -= int(shift)
-    with pytest.raises(LogError, match="set back|must increase"):
+    with pytest.raises(LogError, match=r"set back|must increase"):
         in_order(stamps, np.arange(1000.0)[:, None], "/imu/link3")
 
 

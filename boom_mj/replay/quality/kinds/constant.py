@@ -29,7 +29,7 @@ class Constant(Check):
     of_any_machine = True
 
     def look(self, evidence: Evidence) -> Iterator[Found]:
-        coarse = _coarse(evidence)
+        coarse = _coarsest(evidence)
         for index in evidence.indices:
             log = evidence.recordings[index]
             bad: dict[str, Array] = {}
@@ -58,7 +58,7 @@ class Constant(Check):
         signal, noise = evidence.recordings[index][name], evidence.noise(index, name)
         bad = np.zeros(signal.values.shape, bool)
         for column, values in enumerate(signal.values.T):
-            step, own = coarse[name, column], _while_it_moves(values)
+            step, own = resolution(values) or coarse[name, column], _while_it_moves(values)
             level = min(noise[column] or own, own or noise[column])
             if name in evidence.levels:
                 if step > COARSE * level:
@@ -116,14 +116,14 @@ def _alike(bad: Array) -> bool:
     return bool((bad == bad[:, :1]).all())
 
 
-def _coarse(evidence: Evidence) -> dict[tuple[str, int], float]:
-    """Resolution of every channel over the whole set: a channel at rest in one recording does not show it."""
-    steps: dict[tuple[str, int], list[float]] = {}
+def _coarsest(evidence: Evidence) -> dict[tuple[str, int], float]:
+    """Widest resolution of every channel over the set: one at rest in a recording does not show its own there."""
+    steps: dict[tuple[str, int], float] = {}
     for index in evidence.indices:
         for name in evidence.measured(index):
             for column, values in enumerate(evidence.recordings[index][name].values.T):
-                steps.setdefault((name, column), []).append(resolution(values))
-    return {key: min((s for s in found if s), default=0.0) for key, found in steps.items()}
+                steps[name, column] = max(steps.get((name, column), 0.0), resolution(values))
+    return steps
 
 
 def _rests(log: Recording, column: int, where: Array, noise: Array) -> bool:
