@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from boom_mj.errors import BoomError
-from boom_mj.recording import Recording, named_signal
+from boom_mj.recording import UNITS, Recording, named_signal
 from boom_mj.replay.quality.check import Check, Found, Turn
 from boom_mj.replay.quality.edits import DRIVE, mapped
 from boom_mj.replay.quality.evidence import Evidence
@@ -34,39 +34,31 @@ class Load(Check):
     turn = Turn.LOADS
 
     def look(self, evidence: Evidence) -> Iterator[Found]:
+        acts: dict[int, tuple[float, float]] = {}
         for index in evidence.indices:
             log = evidence.recordings[index]
             if LOAD in log and np.ptp(log[LOAD].values, axis=0).max() > WEAK:
-                yield from self._wrong(evidence, index)
+                acts[index] = _acts(evidence, index)
             elif DRIVE in log and (cut := _blow(evidence, index)) is not None:
                 yield from self._missing(evidence, index, cut)
+        shown = {k: change for k, (factor, told) in acts.items() if (change := _change(factor, told)) is not None}
+        sound = any(told > EXPLAINED and 1 / OFF < factor < OFF for factor, told in acts.values())
+        for index, (factor, _) in acts.items():
+            change = shown.get(index) or (None if sound else next(iter(shown.values()), None))
+            if change is not None:
+                yield self._wrong(evidence, index, change, factor if index in shown else None)
 
-    def _wrong(self, evidence: Evidence, index: int) -> Iterator[Found]:
-        log = evidence.recordings[index]
-        without = _twin(evidence, log.with_signals({LOAD: replace(log[LOAD], values=0 * log[LOAD].values)}))
-        whole = evidence.twin(index)
-        if without is None or whole is None:
-            return
-        force = log[LOAD].values
-        cut = float(log[LOAD].time[int(np.argmax(np.abs(np.diff(force, axis=0)).max(axis=1)))])
-        rest, effect = _about(evidence, log, without, log, cut), _about(evidence, whole.twin, without, log, cut)
-        square = float(effect @ effect)
-        factor = float(rest @ effect) / square if square else 1.0
-        told = factor**2 * square / max(float(rest @ rest), 1e-300)
-        unit = named_unit("N", 1 / abs(factor)) if factor and told > EXPLAINED else None
-        repair, change = None, 1.0
-        if unit is not None:
-            word, change = unit
-            text, repair = (
-                f"acts {factor:.4g} times as strongly as logged, as if in {word} instead of N",
-                Repair(LOAD, unit=word),
-            )
-        elif told > EXPLAINED and factor < 0 and 1 / OFF < -factor < OFF:
-            text, change, repair = "acts the other way round", -1.0, Repair(LOAD, sign=-1)
+    def _wrong(self, evidence: Evidence, index: int, change: tuple[str, float], factor: float | None) -> Found:
+        word, times = change
+        if factor is None:
+            text = "is in the unit of the other logs" if word else "is turned as in the other logs"
+        elif word:
+            text = f"acts {factor:.4g} times as strongly as logged, as if in {word} instead of N"
         else:
-            return
+            text = "acts the other way round"
+        repair = Repair(LOAD, unit=word) if word in UNITS["N"] else None if word else Repair(LOAD, sign=-1)
         finding = evidence.finding(self.kind, index, LOAD, text, Action.REPAIRED, True, repair=repair)
-        yield Found(index, finding, mapped(LOAD, np.full(3, change), np.zeros(3)))
+        return Found(index, finding, mapped(LOAD, np.full(3, times), np.zeros(3)))
 
     def _missing(self, evidence: Evidence, index: int, cut: float) -> Iterator[Found]:
         log, plain = evidence.recordings[index], evidence.twin(index)
@@ -81,6 +73,28 @@ class Load(Check):
         action = Action.LEFT_OUT if others else Action.SAID
         finding = evidence.finding(self.kind, index, LOAD, text, action, False)
         yield Found(index, finding, leave_out=others)
+
+
+def _acts(evidence: Evidence, index: int) -> tuple[float, float]:
+    """How many times as strongly as logged a load acts, and the share of what happens without it that this explains."""
+    log, whole = evidence.recordings[index], evidence.twin(index)
+    without = _twin(evidence, log.with_signals({LOAD: replace(log[LOAD], values=0 * log[LOAD].values)}))
+    if without is None or whole is None:
+        return 1.0, 0.0
+    cut = float(log[LOAD].time[int(np.argmax(np.abs(np.diff(log[LOAD].values, axis=0)).max(axis=1)))])
+    rest, effect = _about(evidence, log, without, log, cut), _about(evidence, whole.twin, without, log, cut)
+    square = max(float(effect @ effect), 1e-300)
+    factor = float(rest @ effect) / square
+    return factor, factor**2 * square / max(float(rest @ rest), 1e-300)
+
+
+def _change(factor: float, told: float) -> tuple[str, float] | None:
+    """Unit that a load is in, "" for a turned one, and by what to multiply it; None for a sound one."""
+    if told < EXPLAINED or not factor:
+        return None
+    if 1 / OFF < -factor < OFF:
+        return "", -1.0
+    return named_unit("N", 1 / abs(factor))
 
 
 def _twin(evidence: Evidence, log: Recording) -> Recording | None:
