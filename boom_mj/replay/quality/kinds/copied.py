@@ -30,7 +30,7 @@ class Copied(Check):
             shares = [_shared(rows[first][name], rows[second][name]) for name in common]
             if not shares or max(shares) < SHARE:
                 continue
-            one, other = evidence.names[first], evidence.names[second]
+            one = evidence.names[first]
             across = first < evidence.training <= second
             action = Action.REFUSED if across else Action.LEFT_OUT
             text = (
@@ -38,7 +38,6 @@ class Copied(Check):
                 if across
                 else f"shares {max(shares):.0%} of its samples with {one}"
             )
-            assert other
             finding = evidence.finding(self.kind, second, "", text, action, False)
             yield Found(second, finding, leave_out=not across)
 
@@ -53,7 +52,7 @@ def _fingerprints(evidence: Evidence, index: int) -> dict[str, Array]:
             continue
         weight = np.random.default_rng(0).standard_normal(values.shape[1])
         row = values @ weight
-        stretch = row[: 1 - ROWS] * 1.0
+        stretch = row[: 1 - ROWS]
         for lag in range(1, ROWS):
             stretch = stretch + (1 + lag * np.sqrt(2)) * row[lag : len(row) - ROWS + 1 + lag]
         moved = ~np.array([still[k : len(still) - ROWS + 2 + k] for k in range(ROWS - 1)]).all(axis=0)
