@@ -17,9 +17,11 @@ from boom_mj.estimation.bootstrap import Closure
 from boom_mj.logs import read_log
 from boom_mj.machine import Machine, load_machine
 from boom_mj.recording import Recording
+from boom_mj.replay.quality import DataFinding
 from boom_mj.systems.boom.corrected import with_effects
+from boom_mj.systems.boom.load import checked_data
 from boom_mj.systems.boom.system import BoomSystem
-from boom_mj.systems.predictor import Predictor, dataset_of
+from boom_mj.systems.predictor import Predictor
 
 Log = Recording | Path | str
 
@@ -63,16 +65,18 @@ class Answer:
         machine: the nominal one.
         found: the diagnosis with all its candidates.
         names: of the logs, training first.
+        findings: what is wrong with the logs themselves, and what was done about it.
     """
 
     machine: Machine
     found: diagnosis.Diagnosis
     names: tuple[str, ...]
+    findings: tuple[DataFinding, ...] = ()
 
     @cached_property
     def document(self) -> dict[str, Any]:
         """All of it as plain data, as `gap diagnose --json` writes it."""
-        return diagnosis.document(self.found, self.names)
+        return diagnosis.document(self.found, self.names, self.findings)
 
     @property
     def verdict(self) -> str:
@@ -147,5 +151,8 @@ def diagnose(
     recordings = [log if isinstance(log, Recording) else read_log(log) for log in logs]
     names = tuple(log.name if isinstance(log, Recording) else str(log) for log in logs)
     system = BoomSystem(boom)
-    predictor = Predictor(system, dataset_of(system, recordings, len(train)))
-    return Answer(boom, diagnosis.diagnose(predictor, without, Clock(seconds, tell), most), names)
+    checked = checked_data(system, recordings, len(train), names)
+    for finding in checked.findings:
+        tell(finding.sentence)
+    found = diagnosis.diagnose(Predictor(system, checked.data), without, Clock(seconds, tell), most)
+    return Answer(boom, found, checked.names, checked.findings)

@@ -13,13 +13,14 @@ from typing import Any
 import numpy as np
 
 from boom_mj.blind.figures import Score
-from boom_mj.blind.run import predictor_of
+from boom_mj.blind.run import checked_case
 from boom_mj.diagnosis.linearisation import linearise
 from boom_mj.effects import make_effect
 from boom_mj.errors import InputError, MachineFileError
 from boom_mj.estimation.bootstrap import gap
 from boom_mj.files import read_json, read_text
 from boom_mj.spreading import results
+from boom_mj.systems.predictor import Predictor
 
 LISTED = ("single", "pair", "withheld")  # classes whose effects the library holds
 
@@ -52,7 +53,8 @@ def left_by_truth(item: tuple[Path, Sequence[Mapping[str, Any]]], machine: str) 
     case, sealed = item
     whole = [make_effect(e["id"], {**e["location"], **e["parameters"]}) for e in sealed]
     effects = tuple(type(e)(e.site, **{name: e.values[name] for name in e.free(e.site)}) for e in whole)
-    healthy = linearise(predictor_of(case, machine))
+    system, checked = checked_case(case, machine)
+    healthy = linearise(Predictor(system, checked.data, threads=1))
     model = healthy.rebased(effects, np.zeros(len(healthy.nuisances)))
     model = model.relinearised(effects, model.posterior.estimate(model.residual(model.base)))
     return gap(model.clean(model.residual(model.base)), model.data.held_out)

@@ -20,8 +20,9 @@ from boom_mj.files import locked, read_bytes, read_json, read_text, write_text
 from boom_mj.logs import read_log
 from boom_mj.machine import parse_machine
 from boom_mj.spreading import spread
+from boom_mj.systems.boom.load import CheckedData, checked_data
 from boom_mj.systems.boom.system import BoomSystem
-from boom_mj.systems.predictor import Predictor, dataset_of
+from boom_mj.systems.predictor import Predictor
 
 
 def waiting_cases(folder: Path, answers: Path) -> tuple[list[Path], int]:
@@ -68,14 +69,15 @@ def solve(case: Path, machine: str) -> str:
     effect_library()  # of other packages, too, before the door shuts
     with confined_to(case):
         without = tuple(read_json(case / "withhold.json", InputError)["without"])
-        predictor = predictor_of(case, machine)
-        found = document(diagnose(predictor, without), [log.name for log in predictor.data.recordings])
+        system, checked = checked_case(case, machine)
+        answer = diagnose(Predictor(system, checked.data, threads=1), without)
+        found = document(answer, checked.names, checked.findings)
     return json.dumps({**found, "without": without, "wall_s": time.perf_counter() - began}, indent=1)
 
 
-def predictor_of(case: Path, machine: str) -> Predictor:
-    """Of the recordings of a case."""
+def checked_case(case: Path, machine: str) -> tuple[BoomSystem, CheckedData]:
+    """The recordings of a case."""
     train, held_out = (sorted((case / part).glob("*.mcap")) for part in ("train", "holdout"))
     logs = [read_log(path) for path in (*train, *held_out)]
     system = BoomSystem(parse_machine(machine))
-    return Predictor(system, dataset_of(system, logs, len(train)), threads=1)
+    return system, checked_data(system, logs, len(train))

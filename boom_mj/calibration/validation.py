@@ -1,7 +1,8 @@
 """A calibrated machine against measurements, as the paper shows it: stationary differences and first frequencies.
 
 Simulated recordings pass through the same evaluation as measured ones: the fall of marker 12 along the load that went,
-and the strongest mode of what follows. "Uncalibrated" is the machine file as it was with the zero offsets that were found.
+and the strongest mode of what follows. "Uncalibrated" is the machine file as it was with the zero offsets that were
+found.
 """
 
 from collections.abc import Sequence

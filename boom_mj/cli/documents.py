@@ -205,6 +205,29 @@ class CalibratedParameter(Interval):
     """Not told by the logs: as the file has it, or joined with others."""
 
 
+class Finding(Part):
+    """Something wrong with a log."""
+
+    log: str
+    channel: str
+    kind: str
+    from_s: Number
+    to_s: Number
+    evidence: str
+    action: str
+    used: bool
+    finding: str
+    """All of it in one sentence."""
+    repair: str | None
+    """What a topic map would have to say."""
+
+
+class LogsCheck(Part):
+    """logs check LOGS... --json FILE"""
+
+    data: list[Finding]
+
+
 class Levels(Part):
     """A gap in units of noise, before and after; 1 is the floor."""
 
@@ -335,7 +358,7 @@ class GapDiagnose(Part):
     remainder: Remainder | None
     floor_share: Number
     """With those of budget and remainder it makes 1."""
-    data: list[dict[str, Any]]
+    data: list[Finding]
     complete: bool
     skipped: list[str]
     """What was not looked at for want of time."""
@@ -461,6 +484,7 @@ DOCUMENTS: dict[str, tuple[type[Part], ...]] = {
     "track": (Track,),
     "calibrate": (Calibrate, CalibratePlan),
     "logs inspect": (LogsInspect,),
+    "logs check": (LogsCheck,),
     "gap diagnose": (GapDiagnose,),
     "gap effects": (GapEffects,),
     "gap criteria": (GapCriteria,),

@@ -11,7 +11,15 @@ from typing import Annotated, Any
 import typer
 
 from boom_mj.cli import blind, watch
-from boom_mj.cli.arguments import AsJson, EffectFiles, find_machine, machine_text, output_folder, output_path
+from boom_mj.cli.arguments import (
+    AsJson,
+    EffectFiles,
+    find_machine,
+    machine_text,
+    output_folder,
+    output_path,
+    printable,
+)
 from boom_mj.cli.many_logs import ManyLogs
 from boom_mj.errors import InputError
 from boom_mj.files import locked, write_text
@@ -137,6 +145,9 @@ def diagnose(
         float | None,
         typer.Option("--time", min=0, metavar="S", help="Seconds after which nothing more is refined."),
     ] = None,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Refuse logs with which anything is wrong, instead of using what is sound.")
+    ] = False,
     own_effects: EffectFiles = None,
 ) -> None:
     """Say where simulator and logs disagree, which effect causes it, and how far the gap shrinks on held-out logs.
@@ -149,6 +160,7 @@ def diagnose(
     from boom_mj.diagnosis.healthy import as_built
     from boom_mj.effects import effect_library
     from boom_mj.logs import read_log
+    from boom_mj.replay.quality import DataFinding
     from boom_mj.systems.predictor import Predictor, dataset_of
     from boom_mj.systems.system import Corrects, System
 
@@ -173,6 +185,7 @@ def diagnose(
         print(f"{time.perf_counter() - began:6.1f} s  {line}", file=sys.stderr)
 
     system: System
+    findings: tuple[DataFinding, ...] = ()
     if channels is not None:
         from boom_mj.systems.mjcf import load_mjcf
 
@@ -184,22 +197,26 @@ def diagnose(
         names = [log.name for log in data.recordings]
     else:
         from boom_mj.systems.boom import BoomSystem
+        from boom_mj.systems.boom.load import checked_data
 
         name = machine or recordings[0].machine
         if not name:
             raise InputError(f"{paths[0]}: the log does not name its machine; say which with --machine")
-        system = BoomSystem(find_machine(name), machine_text(name))
+        system = boom = BoomSystem(find_machine(name), machine_text(name))
         if wells:
-            system = as_built(system, [read_log(path) for path in wells], Clock(tell=tell))
-        data, names = dataset_of(system, recordings, len(logs)), [str(path) for path in paths]
+            system = as_built(boom, [read_log(path) for path in wells], Clock(tell=tell))
+        checked = checked_data(boom, recordings, len(logs), list(map(str, paths)), built=system, strict=strict)
+        data, names, findings = checked.data, list(checked.names), checked.findings
+        for finding in findings:
+            tell(printable(finding.sentence))
     clock = Clock(seconds, tell)
 
     def keep(so_far: Diagnosis) -> None:
         if table is not None:
-            write_text(table, json.dumps({**document(so_far, names), "complete": False}, indent=1))
+            write_text(table, json.dumps({**document(so_far, names, findings), "complete": False}, indent=1))
 
     found = find(Predictor(system, data), tuple(without or ()), clock, most, keep)
-    answer = document(found, names)
+    answer = document(found, names, findings)
     tell(answer["verdict"])
     text = json.dumps(answer, indent=1)
     if table is not None:
@@ -208,11 +225,11 @@ def diagnose(
         write_text(output, system.corrected(explanation(found)))
     if predictions is not None:
         with locked(predictions):
-            _write_predictions(found, predictions, paths)
+            _write_predictions(found, predictions, paths if channels else list(map(Path, names)))
     if html is not None:
         from boom_mj.report import write_diagnosis
 
-        write_diagnosis(found, names, html)
+        write_diagnosis(found, names, html, findings)
     print(text if as_json == "-" else _summary(answer))
 
 

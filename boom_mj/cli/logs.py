@@ -3,16 +3,24 @@
 import dataclasses
 import json
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from boom_mj.cli.arguments import AsJson, printable
+from boom_mj.cli.arguments import AsJson, find_machine, output_path, printable
+from boom_mj.cli.many_logs import ManyLogs
 from boom_mj.errors import InputError
+from boom_mj.files import write_text
 
 if TYPE_CHECKING:
     from boom_mj.logs.inspection import LogSummary, Times, Topic
+    from boom_mj.logs.topic_map import TopicMap
+    from boom_mj.recording import Recording
+    from boom_mj.replay.quality import DataFinding
+
+SAME = 3  # decimals of an offset in rad that logs share: what noise leaves of one differs by less
 
 app = typer.Typer(help="Logs from elsewhere: what is in them.", no_args_is_help=True)
 
@@ -48,6 +56,84 @@ def inspect(
         print(json.dumps(_document(summary), indent=1))
     else:
         print("\n".join((*map(printable, _lines(summary)), "", propose_map(summary))), end="")
+
+
+@app.command(cls=ManyLogs)
+def check(
+    logs: Annotated[list[Path], typer.Argument(metavar="LOGS...", help="Training logs.")],
+    holdout: Annotated[list[Path] | None, typer.Option(metavar="LOGS...", help="Held-out logs.")] = None,
+    machine: Annotated[str | None, typer.Option(help="Machine file or name; the logs' own if left out.")] = None,
+    topic_map: Annotated[
+        Path | None, typer.Option("--map", metavar="MAP.toml", help="What feeds which signal, as for `replay`.")
+    ] = None,
+    fix: Annotated[
+        Path | None,
+        typer.Option(metavar="MAP.toml", help="Topic map to write that mends what one can; one more per odd log."),
+    ] = None,
+    as_json: Annotated[
+        str | None, typer.Option("--json", metavar="FILE", help="Findings as JSON; - for stdout.")
+    ] = None,
+) -> None:
+    """Say what is wrong with logs, before any physics: a sentence a finding. Exit status 0 nothing, 1 something found.
+
+    Example: python -m boom_mj logs check a.mcap b.mcap --holdout c.mcap --fix map.toml
+    """
+    from boom_mj.logs import load_topic_map, read_log
+    from boom_mj.replay.quality import check_recordings
+
+    for path in (fix, None if as_json in (None, "-") else Path(str(as_json))):
+        if path is not None:
+            output_path(path, ".toml" if path is fix else None)
+    paths = [*logs, *(holdout or ())]
+    for path in paths:
+        if not path.exists():
+            raise InputError(f"{path}: there is no such log")
+    read_with = None if topic_map is None else load_topic_map(topic_map)
+    recordings = [read_log(path, read_with) for path in paths]
+    name = machine or recordings[0].machine
+    if not name:
+        raise InputError(f"{paths[0]}: the log does not name its machine; say which with --machine")
+    found = check_recordings(find_machine(name), recordings, len(logs), [str(path) for path in paths])
+    text = json.dumps({"data": [finding.document() for finding in found.findings]}, indent=1)
+    if as_json not in (None, "-"):
+        write_text(Path(str(as_json)), text)
+    if fix is not None:
+        for path, content, names in _maps(fix, recordings, found.findings, paths, read_with):
+            write_text(path, content)
+            print(f"wrote {path}, for {', '.join(names)}", file=sys.stderr)
+    if as_json == "-":
+        print(text)
+    else:
+        print("\n".join(printable(f.sentence) for f in found.findings) or f"{len(paths)} logs: nothing found")
+        for line in dict.fromkeys(f.repair.line for f in found.findings if f.repair):
+            print(f"a topic map mends it: {printable(line)}")
+    if found.findings:
+        raise typer.Exit(1)
+
+
+def _maps(
+    fix: Path,
+    recordings: Sequence["Recording"],
+    findings: Sequence["DataFinding"],
+    paths: Sequence[Path],
+    read_with: "TopicMap | None",
+) -> list[tuple[Path, str, list[str]]]:
+    """Topic maps to write, and the logs that each is for: one for all that need the same repairs."""
+    from boom_mj.logs.mending import mended_map
+
+    repairs = {str(path): [f.repair for f in findings if f.log == str(path) and f.repair] for path in paths}
+    alike: dict[tuple[Any, ...], list[int]] = {}
+    for number, path in enumerate(paths):
+        if own := repairs[str(path)]:
+            key = tuple((r.signal, r.channel, r.unit, r.sign, r.source, round(r.offset, SAME)) for r in own)
+            alike.setdefault(key, []).append(number)
+    found = []
+    for count, numbers in enumerate(sorted(alike.values(), key=len, reverse=True)):
+        names = [str(paths[k]) for k in numbers]
+        place = fix if count == 0 else fix.with_name(f"{fix.stem}-{count + 1}{fix.suffix}")
+        content = mended_map(recordings[numbers[0]], repairs[names[0]], read_with)
+        found.append((place, f"# For {', '.join(names)}\n\n{content}", names))
+    return found
 
 
 def _document(summary: "LogSummary") -> dict[str, Any]:

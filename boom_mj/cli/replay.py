@@ -41,8 +41,9 @@ def command(
 ) -> None:
     """Drive the model with a log's joint angles and known load, and compare every channel group with its noise.
 
-    First comes what the log is good for, on stderr: what moves, rates against the first modes, noise against the machine
-    file, gaps. The angles are smoothed: held at their mean where the joint rests, by a spline of locally even jerk between.
+    First comes what the log is good for, on stderr: what moves, rates against the first modes, noise against the
+    machine file, gaps. The angles are smoothed: held at their mean where the joint rests, by a spline of locally even
+    jerk between.
 
     Example: python -m boom_mj replay log.mcap --hinges 4 -o simulated.mcap --picture replay.png
     """

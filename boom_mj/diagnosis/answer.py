@@ -11,11 +11,12 @@ from boom_mj.diagnosis.localisation import in_words, locate, looks_like
 from boom_mj.diagnosis.named import brief, described
 from boom_mj.diagnosis.sentences import rival, sentence
 from boom_mj.estimation.bootstrap import gap
+from boom_mj.replay.quality import DataFinding
 
 RIVALS = 8  # listed
 
 
-def document(found: Diagnosis, names: Sequence[str]) -> dict[str, Any]:
+def document(found: Diagnosis, names: Sequence[str], findings: Sequence[DataFinding] = ()) -> dict[str, Any]:
     """The answer in plain data: verdict, effects, rivals, ties, gaps, where, what is left.
 
     Of a "partial" explanation `effects` are the causes that are sure; others, and what closes some of an "unexplained"
@@ -55,7 +56,7 @@ def document(found: Diagnosis, names: Sequence[str]) -> dict[str, Any]:
         "budget": budget,
         "remainder": remainder,
         "floor_share": 1 - sum(row["share"] for row in budget) - (remainder or {"share": 0.0})["share"],
-        "data": [],
+        "data": [finding.document() for finding in findings],
         "complete": not found.skipped,
         "skipped": list(found.skipped),
         "provenance": {

@@ -247,12 +247,14 @@ def make_dataset(
     block_s: float,
     correlation_s: float,
     first: Callable[[Array, Array], Array],
+    raised: Sequence[Mapping[str, Array]] = (),
 ) -> Dataset:
     """A dataset of the signals that have noise; for the rest see `Dataset`.
 
     Args:
         noise: least noise of a sample by signal, one per channel, (k,).
         group: of a signal's column.
+        raised: by recording, noise of signals (k,) that is known to be more.
 
     Raises:
         LogError: nothing to train with, or a signal that shares no time with what drives the model.
@@ -266,10 +268,12 @@ def make_dataset(
             if name not in log:
                 continue
             elapsed, values = log[name].time - spans[index][0], log[name].values
+            more = raised[index].get(name) if raised else None
+            least = np.asarray(levels) if more is None else np.maximum(levels, more)
             blocks = np.unique(block_numbers(elapsed, block_s))
             for column in range(values.shape[1]):
                 time, count, mean = block_means(elapsed, values[:, column], block_s)
-                level = max(float(levels[column]), own_noise(values[:, column]) / SCATTER)
+                level = max(float(least[column]), own_noise(values[:, column]) / SCATTER)
                 channels.append(Channel(index, name, column, group(name, column), blocks, time, count, mean, level))
     return Dataset(cut, training, tuple(spans), tuple(channels), block_s, correlation_s, first)
 

@@ -8,7 +8,11 @@ from boom_mj.errors import LogError, LogWarning
 
 Array = np.ndarray
 
-LATE = 0.1  # s, by which a message may come too late and still be put in its place; more is a clock reset
+LATE = 0.1  # s, by which a message may come too late and still be put in its place
+FEW, ROOM = (
+    0.05,
+    0.5,
+)  # share of later ones, usual steps that each finds free in its place: a reset clock says all twice
 
 
 def in_order(stamps: Array, values: Array, topic: str) -> tuple[Array, Array]:
@@ -26,7 +30,7 @@ def in_order(stamps: Array, values: Array, topic: str) -> tuple[Array, Array]:
     step = np.diff(stamps)
     if (step < 0).any():
         i = int(np.argmin(step))
-        if -step[i] > LATE * 1e9:
+        if -step[i] > LATE * 1e9 and not _late_ones(stamps):
             i = int(np.flatnonzero(step < -LATE * 1e9)[0])
             raise LogError(
                 f"the clock was set back: {stamps[i] / 1e9:.9f} s is followed by {stamps[i + 1] / 1e9:.9f} s; "
@@ -46,6 +50,13 @@ def in_order(stamps: Array, values: Array, topic: str) -> tuple[Array, Array]:
         keep[again] = False
         stamps, values = stamps[keep], values[keep]
     return stamps, values
+
+
+def _late_ones(stamps: Array) -> bool:
+    """Whether stamps that go back are of few messages recorded late, whose places between the others are free."""
+    late = stamps < np.maximum.accumulate(stamps)
+    steps = np.diff(np.sort(stamps))
+    return bool(late.mean() <= FEW and steps.min() > ROOM * np.median(steps))
 
 
 def _warn(text: str) -> None:

@@ -1,6 +1,8 @@
 """Log of any format -> Recording; what is wrong is refused by name, never repaired in silence."""
 
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from boom_mj.errors import LogError, LogWarning
@@ -13,6 +15,8 @@ from boom_mj.logs.merging import merged, with_shared_times
 from boom_mj.logs.topic_map import TopicMap, own_map
 from boom_mj.logs.topics import METADATA
 from boom_mj.recording import Recording, Signal
+
+MOST_FLAWS = 12  # told of a log
 
 
 def read_log(path: str | Path, topic_map: TopicMap | None = None) -> Recording:
@@ -28,6 +32,11 @@ def read_log(path: str | Path, topic_map: TopicMap | None = None) -> Recording:
     """
     path = log_file(Path(path))
     reader = _Reader(path, topic_map or own_map())
+    with _warned_once(path):
+        return _read(path, reader)
+
+
+def _read(path: Path, reader: "_Reader") -> Recording:
     try:
         for item in format_of(path).read(path, reader.wants):
             if isinstance(item, Batch):
@@ -43,6 +52,24 @@ def read_log(path: str | Path, topic_map: TopicMap | None = None) -> Recording:
         description=labels.get("description", ""),
         signals=reader.signals(),
     )
+
+
+@contextmanager
+def _warned_once(path: Path) -> Iterator[None]:
+    """All that is told about a log in one warning; the same is said once, of the signals of a topic."""
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        try:
+            yield
+        finally:
+            others = [warning for warning in told if not issubclass(warning.category, LogWarning)]
+            flaws = list(dict.fromkeys(str(warning.message) for warning in told if warning not in others))
+    for warning in others:
+        warnings.warn_explicit(warning.message, warning.category, warning.filename, warning.lineno)
+    if flaws:
+        more = [f"and {len(flaws) - MOST_FLAWS} more"] if len(flaws) > MOST_FLAWS else []
+        text = "; ".join(flaws[:MOST_FLAWS] + more)
+        warnings.warn(text if text.startswith(str(path)) else f"{path}: {text}", LogWarning, stacklevel=5)
 
 
 def read_mcap(path: str | Path) -> Recording:

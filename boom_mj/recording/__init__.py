@@ -13,3 +13,4 @@ from boom_mj.recording.signal import resample as resample
 from boom_mj.recording.signal import sample as sample
 from boom_mj.recording.signal import spectrum as spectrum
 from boom_mj.recording.signal import window as window
+from boom_mj.recording.units import UNITS as UNITS

@@ -1,7 +1,7 @@
 """What a system says of recordings under any hypothesis: simulated on threads, each at most once."""
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from copy import copy
 from threading import Lock
@@ -20,7 +20,9 @@ KEPT = 1500  # predictions of single recordings, some 0.2 MB each
 SHARED = 4  # hypotheses whose dense simulations are kept, for others that differ in their sensors only
 
 
-def dataset_of(system: System, recordings: Sequence[Recording], training: int) -> Dataset:
+def dataset_of(
+    system: System, recordings: Sequence[Recording], training: int, raised: Sequence[Mapping[str, Array]] = ()
+) -> Dataset:
     """Recordings of a system as its channels are compared; see `make_dataset`."""
     facts, timelines = system.facts, [system.timeline(log) for log in recordings]
     return make_dataset(
@@ -32,6 +34,7 @@ def dataset_of(system: System, recordings: Sequence[Recording], training: int) -
         facts.block_s,
         facts.correlation_s,
         facts.split,
+        raised,
     )
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 from boom_mj.diagnosis import Diagnosis, document
 from boom_mj.files import write_text
+from boom_mj.replay.quality import DataFinding
 from boom_mj.report.diagnosis import change, ladder, left, machine, overlays, verdict, where
 from boom_mj.report.diagnosis.view import View
 from boom_mj.report.templating import page_environment
@@ -14,18 +15,19 @@ from boom_mj.report.words import effect_name, gap_size, number, percent
 SECTIONS = (where, machine, ladder, overlays, change, left)
 
 
-def write_diagnosis(found: Diagnosis, names: Sequence[str], path: Path) -> None:
+def write_diagnosis(found: Diagnosis, names: Sequence[str], path: Path, findings: Sequence[DataFinding] = ()) -> None:
     """Write a diagnosis as one HTML file with everything in it.
 
     Args:
         names: of the logs, training first, as the answer lists them.
+        findings: what is wrong with the logs themselves.
     """
-    write_text(path, diagnosis_page(found, names))
+    write_text(path, diagnosis_page(found, names, findings))
 
 
-def diagnosis_page(found: Diagnosis, names: Sequence[str]) -> str:
+def diagnosis_page(found: Diagnosis, names: Sequence[str], findings: Sequence[DataFinding] = ()) -> str:
     """The page as text."""
-    view = View(found, tuple(names), document(found, names))
+    view = View(found, tuple(names), document(found, names, findings))
     head, *sections = (module.section(view) for module in (verdict, *SECTIONS))
     environment = page_environment(
         "boom_mj.report.diagnosis",

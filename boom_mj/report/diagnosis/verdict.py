@@ -38,6 +38,7 @@ def section(view: View) -> Section:
             "ties": [explanation_name(tie) for tie in _ties(view)],
             "next_experiment": answer["next_experiment"],
             "zero_offsets": offsets(view),
+            "data": [row["finding"] for row in answer["data"]],
         },
     )
 

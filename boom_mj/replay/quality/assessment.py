@@ -166,14 +166,24 @@ def _channel_quality(name: str, values: Array, expected: float, window: int) -> 
     values = values[np.isfinite(values)]
     if len(values) < 3:
         return ChannelQuality(name, float("nan"), expected, 0.0)
+    noise = _quiet(values, window)
+    about = values - values.mean()
+    shared = np.sqrt(max(float(np.mean(about[1:] * about[:-1])), 0.0))
+    return ChannelQuality(name, noise, expected, float(shared / max(noise, expected, 1e-300)))
+
+
+def quiet_noise(time: Array, values: Array) -> float:
+    """Standard deviation of what is white in the quieter half of a channel."""
+    return _quiet(values[np.isfinite(values)], max(3, round(WINDOW / float(np.median(np.diff(time))))))
+
+
+def _quiet(values: Array, window: int) -> float:
+    """The same, of samples without NaN in windows of so many."""
     pieces = values[: max(1, len(values) // window) * window]
     pieces = pieces.reshape(-1, min(window, len(pieces)))  # (windows, samples)
     spread = pieces.std(axis=1)
     quiet = pieces[spread <= np.median(spread)]
-    noise = float(np.sqrt(np.mean(white_noise(quiet.T) ** 2)))
-    about = values - values.mean()
-    shared = np.sqrt(max(float(np.mean(about[1:] * about[:-1])), 0.0))
-    return ChannelQuality(name, noise, expected, float(shared / max(noise, expected, 1e-300)))
+    return float(np.sqrt(np.mean(white_noise(quiet.T) ** 2)))
 
 
 def _listed(names: list[str]) -> str:

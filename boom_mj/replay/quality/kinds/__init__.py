@@ -1,0 +1,1 @@
+"""Kinds of findings, one file each; being here is being registered."""

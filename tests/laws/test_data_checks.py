@@ -1,0 +1,162 @@
+"""Every kind of finding is found at its channel; sound recordings give none and stay the same objects."""
+
+import json
+import sys
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from boom_mj.effects import parse_effect
+from boom_mj.errors import LogError
+from boom_mj.machine import load_machine
+from boom_mj.recording import Recording, Signal
+from boom_mj.replay.quality import Action, check_channels, check_recordings
+from boom_mj.replay.quality.check import Check, all_checks
+from boom_mj.sensors import record
+from boom_mj.simulation import CATALOGUE, make_plant, run_experiment
+
+sys.path.append(str(Path(__file__).parents[2] / "scripts"))
+import spoil_logs
+
+MACHINE = load_machine("boom36")
+EXPERIMENTS = ("release_bow_vertical", "mixed", "release_stretched_horizontal", "sweep")
+TRAINING = 2
+OFFSETS = "joint_zero_offset:joint1=0.004,joint2=-0.003,joint3=0.005,joint4=-0.004,joint5=0.002"
+
+
+@cache
+def simulated(*effects: str) -> tuple[Recording, ...]:
+    plant = make_plant(MACHINE, 2, [parse_effect(text) for text in effects])
+    rng = np.random.default_rng(len(effects))
+    return tuple(record(run_experiment(plant, CATALOGUE[name]), CATALOGUE[name], rng) for name in EXPERIMENTS)
+
+
+def found_in(logs: list[Recording]) -> set[tuple[str, str]]:
+    return {(f.kind, f.channel) for f in check_recordings(MACHINE, logs, TRAINING).findings}
+
+
+@pytest.mark.parametrize(
+    "effects",
+    [
+        (),
+        (OFFSETS, "tip_payload:mass=100"),
+        (OFFSETS, "pressure_scale:cylinder=2,factor=4"),  # a factor below OFF is a cause
+        (OFFSETS, "imu_misalignment:link=3,rotation_x=0.3,rotation_y=0.4"),
+        (OFFSETS, "imu_bias:link=4,accelerometer_x=4,gyroscope_z=0.3"),
+        (OFFSETS, "clock_offset:stream=imu,delay=0.9"),  # turns gyroscopes that swing at 0.5 Hz
+        (OFFSETS, "joint_sensor_nonlinearity:joint=3,amplitude=0.02,periods=3"),
+        (OFFSETS, "marker_slip:marker=7,offset_x=0.5"),
+        (OFFSETS, "joint_play:joint=4,half_gap=0.005"),
+    ],
+)
+def test_sound_recordings_stay_the_same_objects(effects: tuple[str, ...]) -> None:
+    logs = simulated(*effects)
+    checked = check_recordings(MACHINE, logs, TRAINING)
+    assert [f.sentence for f in checked.findings] == []
+    assert all(a is b for a, b in zip(checked.recordings, logs, strict=True))
+    assert (checked.training, checked.kept) == (TRAINING, (0, 1, 2, 3))
+    checked.refuse(all_of_them=True)
+
+
+@pytest.mark.parametrize("fault", spoil_logs.FAULTS, ids=lambda fault: fault.__name__)
+def test_every_fault_is_named_at_its_channel_and_inputs_stay(fault: object) -> None:
+    rng = np.random.default_rng(5)
+    spoiled = spoil_logs.Set(list(simulated(OFFSETS)), TRAINING)
+    done = fault(rng, spoiled)
+    before = [{name: (s.time.copy(), s.values.copy()) for name, s in log.signals.items()} for log in spoiled.logs]
+    checked = check_recordings(MACHINE, spoiled.logs, TRAINING, [str(k) for k in range(len(spoiled.logs))])
+    mine = [f for f in checked.findings if f.kind in done.kinds and spoil_logs.at(f.channel, done)]
+    assert {int(f.log) for f in mine} & set(done.logs), [f.sentence for f in checked.findings]
+    for log, signals in zip(spoiled.logs, before, strict=True):
+        assert {name: s.values.shape for name, s in log.signals.items()} == {
+            n: v.shape for n, (_, v) in signals.items()
+        }
+        for name, (time, values) in signals.items():
+            assert np.array_equal(log[name].time, time)
+            assert np.array_equal(log[name].values, values, equal_nan=True)
+    for finding in checked.findings:
+        document = json.loads(json.dumps(finding.document()))
+        assert set(document) >= {"log", "channel", "finding", "from_s", "to_s", "used"}
+        assert document["from_s"] <= document["to_s"]
+
+
+def test_what_is_repaired_is_found_no_more() -> None:
+    spoiled = spoil_logs.Set(list(simulated(OFFSETS)), TRAINING)
+    for fault in (spoil_logs.swapped, spoil_logs.unit, spoil_logs.joint_unit, spoil_logs.frozen):
+        fault(np.random.default_rng(2), spoiled)
+    checked = check_recordings(MACHINE, spoiled.logs, TRAINING)
+    assert {f.action for f in checked.findings} == {Action.REPAIRED}
+    assert found_in(list(checked.recordings)) == set()
+
+
+def test_two_states_of_the_machine() -> None:
+    logs = [*simulated(OFFSETS)[:TRAINING], *simulated(OFFSETS, "tip_payload:mass=60")[TRAINING:]]
+    assert ("state", "") in found_in(logs)
+
+
+def test_nothing_moves() -> None:
+    cut = [spoil_logs.replace(log, signals=_first(log, 1.0)) for log in simulated(OFFSETS)]
+    assert {("at rest", ""), ("too short", "")} == found_in(cut)
+
+
+def test_what_no_work_may_begin_with_is_refused_in_a_sentence() -> None:
+    logs = list(simulated(OFFSETS))
+    away = logs[0]["imu/link3/angular_rate"]
+    both = {n: replace(logs[0][n], time=away.time + 1.7e9) for n in logs[0].signals if n.startswith("imu/link3")}
+    with pytest.raises(
+        LogError, match=r"imu/link3 \(17000.* no time in common with joint/position \(0.000 to 30.000 s"
+    ):
+        check_recordings(MACHINE, [logs[0].with_signals(both), *logs[1:]], TRAINING).refuse()
+    with pytest.raises(LogError, match=r"held out and shares 100% of its samples with mixed"):
+        check_recordings(MACHINE, [*logs, replace(logs[1], name="again")], TRAINING).refuse()
+
+
+def test_wiring_that_a_log_does_not_show_is_that_of_the_others() -> None:
+    logs = [_scaled(log, "imu/link5/specific_force", [1, 1, -1]) for log in simulated(OFFSETS)]
+    findings = check_recordings(MACHINE, logs, TRAINING).findings
+    assert len([f for f in findings if f.kind == "sign"]) == len(logs)
+    one = [logs[0], *simulated(OFFSETS)[1:]]
+    assert len([f for f in check_recordings(MACHINE, one, TRAINING).findings if f.kind == "sign"]) <= 1
+
+
+def test_noise_and_resolution_are_handed_on() -> None:
+    step = np.radians(0.1)
+    logs = list(simulated(OFFSETS))
+    joints = logs[1]["joint/position"]
+    logs[1] = logs[1].with_signals({"joint/position": replace(joints, values=step * np.round(joints.values / step))})
+    checked = check_recordings(MACHINE, logs, TRAINING)
+    assert np.allclose(checked.noise[1]["joint/position"], np.hypot(np.radians(0.02), step / np.sqrt(12)))
+    assert checked.noise[0] == {}
+
+
+def test_channels_of_any_machine() -> None:
+    rng, time = np.random.default_rng(0), np.arange(0, 20, 0.01)
+    smooth = np.sin(time) + 0.01 * rng.normal(size=len(time))
+    spoiled = {
+        "sound": smooth,
+        "dead": np.where(time > 8, smooth[800], smooth),
+        "cut": np.minimum(smooth, 0.7),
+        "spiky": smooth + 3.0 * (rng.random(len(time)) < 0.01),
+        "coarse": 0.2 * np.round(smooth / 0.2),
+    }
+    log = Recording("x", "robot", "", {n: Signal(time, v[:, None], (n,), "rad", "") for n, v in spoiled.items()})
+    found = {(f.kind, f.channel) for f in check_channels([log]).findings}
+    assert found == {("constant", "dead"), ("saturated", "cut"), ("spiky", "spiky"), ("quantised", "coarse")}
+
+
+def test_every_check_says_what_it_is() -> None:
+    assert len(all_checks()) > 15
+    for check in all_checks():
+        assert isinstance(check, Check) and type(check).__doc__ and check.kind
+    assert [c.turn for c in all_checks()] == sorted(c.turn for c in all_checks())
+
+
+def _first(log: Recording, seconds: float) -> dict[str, Signal]:
+    return {n: spoil_logs.picked(s, s.time < s.time[0] + seconds) for n, s in log.signals.items()}
+
+
+def _scaled(log: Recording, name: str, factor: list[int]) -> Recording:
+    return log.with_signals({name: replace(log[name], values=log[name].values * factor)})
