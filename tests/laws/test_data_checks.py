@@ -24,7 +24,10 @@ import spoil_logs
 MACHINE = load_machine("boom36")
 EXPERIMENTS = ("release_bow_vertical", "mixed", "release_stretched_horizontal", "sweep")
 TRAINING = 2
-OFFSETS = "joint_zero_offset:joint1=0.004,joint2=-0.003,joint3=0.005,joint4=-0.004,joint5=0.002"
+OFFSETS = tuple(
+    f"joint_zero_offset:joint={joint},offset={offset}"
+    for joint, offset in zip(range(1, 6), (0.004, -0.003, 0.005, -0.004, 0.002))
+)
 
 
 @cache
@@ -42,14 +45,14 @@ def found_in(logs: list[Recording]) -> set[tuple[str, str]]:
     "effects",
     [
         (),
-        (OFFSETS, "tip_payload:mass=100"),
-        (OFFSETS, "pressure_scale:cylinder=2,factor=4"),  # a factor below OFF is a cause
-        (OFFSETS, "imu_misalignment:link=3,rotation_x=0.3,rotation_y=0.4"),
-        (OFFSETS, "imu_bias:link=4,accelerometer_x=4,gyroscope_z=0.3"),
-        (OFFSETS, "clock_offset:stream=imu,delay=0.9"),  # turns gyroscopes that swing at 0.5 Hz
-        (OFFSETS, "joint_sensor_nonlinearity:joint=3,amplitude=0.02,periods=3"),
-        (OFFSETS, "marker_slip:marker=7,offset_x=0.5"),
-        (OFFSETS, "joint_play:joint=4,half_gap=0.005"),
+        (*OFFSETS, "tip_payload:mass=100"),
+        (*OFFSETS, "pressure_scale:cylinder=2,factor=4"),  # a factor below OFF is a cause
+        (*OFFSETS, "imu_misalignment:link=3,rotation_x=0.3,rotation_y=0.4"),
+        (*OFFSETS, "imu_bias:link=4,accelerometer_x=4,gyroscope_z=0.3"),
+        (*OFFSETS, "clock_offset:stream=imu,delay=0.9"),  # turns gyroscopes that swing at 0.5 Hz
+        (*OFFSETS, "joint_sensor_nonlinearity:joint=3,amplitude=0.02,periods=3"),
+        (*OFFSETS, "marker_slip:marker=7,offset_x=0.5"),
+        (*OFFSETS, "joint_play:joint=4,half_gap=0.005"),
     ],
 )
 def test_sound_recordings_stay_the_same_objects(effects: tuple[str, ...]) -> None:
@@ -64,7 +67,7 @@ def test_sound_recordings_stay_the_same_objects(effects: tuple[str, ...]) -> Non
 @pytest.mark.parametrize("fault", spoil_logs.FAULTS, ids=lambda fault: fault.__name__)
 def test_every_fault_is_named_at_its_channel_and_inputs_stay(fault: object) -> None:
     rng = np.random.default_rng(5)
-    spoiled = spoil_logs.Set(list(simulated(OFFSETS)), TRAINING)
+    spoiled = spoil_logs.Set(list(simulated(*OFFSETS)), TRAINING)
     done = fault(rng, spoiled)
     before = [{name: (s.time.copy(), s.values.copy()) for name, s in log.signals.items()} for log in spoiled.logs]
     checked = check_recordings(MACHINE, spoiled.logs, TRAINING, [str(k) for k in range(len(spoiled.logs))])
@@ -84,7 +87,7 @@ def test_every_fault_is_named_at_its_channel_and_inputs_stay(fault: object) -> N
 
 
 def test_what_is_repaired_is_found_no_more() -> None:
-    spoiled = spoil_logs.Set(list(simulated(OFFSETS)), TRAINING)
+    spoiled = spoil_logs.Set(list(simulated(*OFFSETS)), TRAINING)
     for fault in (spoil_logs.swapped, spoil_logs.unit, spoil_logs.joint_unit, spoil_logs.frozen):
         fault(np.random.default_rng(2), spoiled)
     checked = check_recordings(MACHINE, spoiled.logs, TRAINING)
@@ -93,17 +96,17 @@ def test_what_is_repaired_is_found_no_more() -> None:
 
 
 def test_two_states_of_the_machine() -> None:
-    logs = [*simulated(OFFSETS)[:TRAINING], *simulated(OFFSETS, "tip_payload:mass=60")[TRAINING:]]
+    logs = [*simulated(*OFFSETS)[:TRAINING], *simulated(*OFFSETS, "tip_payload:mass=60")[TRAINING:]]
     assert ("state", "") in found_in(logs)
 
 
 def test_nothing_moves() -> None:
-    cut = [spoil_logs.replace(log, signals=_first(log, 1.0)) for log in simulated(OFFSETS)]
+    cut = [spoil_logs.replace(log, signals=_first(log, 1.0)) for log in simulated(*OFFSETS)]
     assert {("at rest", ""), ("too short", "")} == found_in(cut)
 
 
 def test_what_no_work_may_begin_with_is_refused_in_a_sentence() -> None:
-    logs = list(simulated(OFFSETS))
+    logs = list(simulated(*OFFSETS))
     away = logs[0]["imu/link3/angular_rate"]
     both = {n: replace(logs[0][n], time=away.time + 1.7e9) for n in logs[0].signals if n.startswith("imu/link3")}
     with pytest.raises(
@@ -115,16 +118,16 @@ def test_what_no_work_may_begin_with_is_refused_in_a_sentence() -> None:
 
 
 def test_wiring_that_a_log_does_not_show_is_that_of_the_others() -> None:
-    logs = [_scaled(log, "imu/link5/specific_force", [1, 1, -1]) for log in simulated(OFFSETS)]
+    logs = [_scaled(log, "imu/link5/specific_force", [1, 1, -1]) for log in simulated(*OFFSETS)]
     findings = check_recordings(MACHINE, logs, TRAINING).findings
     assert len([f for f in findings if f.kind == "sign"]) == len(logs)
-    one = [logs[0], *simulated(OFFSETS)[1:]]
+    one = [logs[0], *simulated(*OFFSETS)[1:]]
     assert len([f for f in check_recordings(MACHINE, one, TRAINING).findings if f.kind == "sign"]) <= 1
 
 
 def test_noise_and_resolution_are_handed_on() -> None:
     step = np.radians(0.1)
-    logs = list(simulated(OFFSETS))
+    logs = list(simulated(*OFFSETS))
     joints = logs[1]["joint/position"]
     logs[1] = logs[1].with_signals({"joint/position": replace(joints, values=step * np.round(joints.values / step))})
     checked = check_recordings(MACHINE, logs, TRAINING)

@@ -40,7 +40,7 @@ from boom_mj.systems.system import (
 )
 
 Array = np.ndarray
-ROUGH = COARSE = Level(4.0, 2)
+ROUGH = COARSE = Level(2.0, 2)  # flanks of play diverge at steps of 20 ms
 MIDDLE, FINE, SHARP = Level(2.0, 3), Level(2.0, 4), Level(1.0, 3)  # more hinges, half the step: of first order in it
 FIDELITY = FidelityLadder(
     ROUGH, COARSE, MIDDLE, (Refinement(FINE, 1.0, 1.0), Refinement(SHARP, 2.0, 1.0)), SHARP, along=0.5
