@@ -7,6 +7,7 @@ import numpy as np
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.scoring import Scored
 from boom_mj.estimation.bootstrap import Closure, worse_by
+from boom_mj.estimation.intervals import FEWEST
 
 Array = np.ndarray
 Gaps = tuple[float, float]  # training, held out
@@ -36,8 +37,13 @@ def explains(nominal: Gaps, found: Scored, share: Closure) -> bool:
 
 def held_out_loss(model: Linearisation, better: Array, worse: Array) -> tuple[float, float]:
     """By how much a residual (N,) is worse than another in what is held out, and the standard error of that."""
-    rows = model.data.held_out
-    return worse_by(model.data.windows[rows], better[rows], worse[rows])
+    data, rows = model.data, model.data.held_out
+    clusters = [data.windows]
+    if model.criteria.gain_z:  # of few stretches, and of motions that repeat, windows are not independent
+        clusters += [data.recording_of, *([data.moments(model.facts.repeat_s)] if model.facts.repeat_s else [])]
+        clusters = clusters[:1] + [one for one in clusters[1:] if len(np.unique(one[rows])) >= FEWEST]
+    losses = [worse_by(one[rows], better[rows], worse[rows]) for one in clusters]
+    return losses[0][0], max(error for _, error in losses)
 
 
 def sure(model: Linearisation, nominal: Array, found: Scored) -> bool:
@@ -50,6 +56,8 @@ def choose(scored: Sequence[Scored], nominal: Gaps) -> Scored | None:
     """The best single cause, of those that suffice if any do, with few parameters, or more causes, each worth it."""
     before = nominal[1]
     helpful = [j for j in scored if useful(j, nominal)]
+    if helpful and helpful[0].model.criteria.gain_z:
+        return _within_error(helpful)
     singles = [j for j in helpful if len(j.fit.effects) == 1]
     singles = [j for j in singles if solved(nominal, j)] or singles
     best = min(singles, key=_price, default=None)
@@ -57,6 +65,23 @@ def choose(scored: Sequence[Scored], nominal: Gaps) -> Scored | None:
     for size in range(2, 1 + max((len(j.fit.effects) for j in helpful), default=0)):
         best = _with_more(best, [j for j in helpful if len(j.fit.effects) == size], scored, before)
     return best
+
+
+def _within_error(scored: Sequence[Scored]) -> Scored:
+    """The simplest explanation that is no worse than the best by more than its standard error.
+
+    One of likely sizes takes the place of the best, if that is of unlikely ones, until it is worse beyond doubt.
+    """
+
+    def near(best: Scored, z: float) -> list[Scored]:
+        losses = [held_out_loss(best.model, best.fit.residual, j.fit.residual) for j in scored]
+        return [j for j, (loss, error) in zip(scored, losses) if loss <= z * error]
+
+    best, criteria = min(scored, key=_price), scored[0].model.criteria
+    if not best.plausible:
+        best = min((j for j in near(best, criteria.sure_z) if j.plausible), key=_price, default=best)
+    alike = [j for j in near(best, criteria.gain_z) if j.plausible or not best.plausible]
+    return min(alike, key=lambda j: (len(j.fit.effects), len(j.fit.scaled), j.held_out), default=best)
 
 
 def _price(found: Scored) -> float:

@@ -72,6 +72,7 @@ def _in_words(entry: Mapping[str, Any]) -> str:
     """An effect as `described`."""
     place = ", ".join(f"{k} {v}" for k, v in entry["location"].items())
     sizes = ", ".join(
-        f"{name} {size['value']:.4g} {size['unit']}".removesuffix(" 1") for name, size in entry["parameters"].items()
+        f"{name} {size['value']:.4g} {size['unit']}".removesuffix(" 1") + ", implausible" * ("implausible" in size)
+        for name, size in entry["parameters"].items()
     )
     return f"{entry['id'].replace('_', ' ')}{f' at {place}' if place else ''} ({sizes})"
