@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from boom_mj.diagnosis.candidate import Candidate
 from boom_mj.diagnosis.diagnose import Diagnosis
 from boom_mj.diagnosis.localisation import in_words, locate
 from boom_mj.diagnosis.named import brief, closure_of, described
@@ -45,14 +46,24 @@ def sentence(found: Diagnosis) -> str:
     causes = [_in_words(entry) for entry, so in zip(described(found), named) if so]
     cause, close = " and ".join(causes), "closes" if len(causes) == 1 else "close"
     text = f"{cause[0].upper()}{cause[1:]} {close} {found.closure.value:.0%} of the held-out gap of {before:.1f}"
-    if found.ties:
+    if found.ties and found.verdict != "partial":
         text += ", and so would " + " or ".join(j.label for j in found.ties)
         if found.next_experiment:
             text += f"; {found.next_experiment} would tell them apart"
     if found.verdict == "partial":
         left = f"{found.best.held_out:.2f} is left" if found.best else ""
         text += f"; {left}, which {in_words(locate(found.model, found.residual)).replace('it is seen', 'is seen')}"
+        if beside := _beside(found):
+            text += f". The data do not tell what acts beside: {', '.join(beside)}"
     return f"{text}. Without it, {where}.{_extended(found)}{_unfinished(found)}"
+
+
+def _beside(found: Diagnosis) -> list[str]:
+    """Causes that are not sure, of the best explanation and of those that do as well."""
+    explanations = [one.fit.effects for one in (found.best, *found.ties) if one]
+    sure = {e.cause for e, so in zip(found.best.fit.effects, found.sure) if so} if found.best else set()
+    beside = [effect for effects in explanations for effect in effects if effect.cause not in sure]
+    return list(dict.fromkeys(Candidate((effect,)).label.replace("_", " ") for effect in beside))
 
 
 def _unfinished(found: Diagnosis) -> str:
