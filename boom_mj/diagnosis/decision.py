@@ -57,7 +57,7 @@ def choose(scored: Sequence[Scored], nominal: Gaps) -> Scored | None:
     before = nominal[1]
     helpful = [j for j in scored if useful(j, nominal)]
     if helpful and helpful[0].model.criteria.gain_z:
-        return _within_error(helpful)
+        return _within_error(helpful, nominal[1])
     singles = [j for j in helpful if len(j.fit.effects) == 1]
     singles = [j for j in singles if solved(nominal, j)] or singles
     best = min(singles, key=_price, default=None)
@@ -67,10 +67,10 @@ def choose(scored: Sequence[Scored], nominal: Gaps) -> Scored | None:
     return best
 
 
-def _within_error(scored: Sequence[Scored]) -> Scored:
+def _within_error(scored: Sequence[Scored], before: float) -> Scored:
     """The simplest explanation that is no worse than the best by more than its standard error.
 
-    One of likely sizes takes the place of the best, if that is of unlikely ones, until it is worse beyond doubt.
+    Of explanations that tie, one of likely sizes goes before one of unlikely ones.
     """
 
     def near(best: Scored, z: float) -> list[Scored]:
@@ -79,7 +79,9 @@ def _within_error(scored: Sequence[Scored]) -> Scored:
 
     best, criteria = min(scored, key=_price), scored[0].model.criteria
     if not best.plausible:
-        best = min((j for j in near(best, criteria.sure_z) if j.plausible), key=_price, default=best)
+        enough = best.held_out + criteria.tie_closure * (before - 1)
+        likely = [j for j in near(best, criteria.tie_z) if j.plausible and j.held_out < enough]
+        best = min(likely, key=_price, default=best)
     alike = [j for j in near(best, criteria.gain_z) if j.plausible or not best.plausible]
     return min(alike, key=lambda j: (len(j.fit.effects), len(j.fit.scaled), j.held_out), default=best)
 

@@ -32,6 +32,7 @@ class ChannelEntry(BaseModel):
         unit: of the result.
         relative: what counts is the difference to the value when a stretch begins.
         limit: the logged size (before scale and offset) is cut there, as the machine's amplifier does.
+        wrap: period by which what is logged jumps, as a potentiometer's does after a turn; jumps are undone.
         noise: standard deviation of a sample in SI; at least what the log itself shows counts.
         zero: standard deviation of a zero offset that is nobody's fault, in SI.
     """
@@ -52,6 +53,7 @@ class ChannelEntry(BaseModel):
     unit: str = ""
     relative: bool = False
     limit: Positive | None = None
+    wrap: Positive | None = None
     noise: NonNegative = 0.0
     zero: NonNegative = 0.0
 

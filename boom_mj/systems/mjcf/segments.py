@@ -146,6 +146,8 @@ def _table(path: Path, channels: ChannelMap) -> dict[str, Array]:
 
 def _value(entry: ChannelEntry, table: dict[str, Array]) -> Array:
     logged = table[entry.field] if entry.field else sum(factor * table[field] for field, factor in entry.terms.items())
+    if entry.wrap is not None:
+        logged = np.unwrap(logged, period=entry.wrap)
     if entry.limit is not None:
         logged = np.clip(logged, -entry.limit, entry.limit)
     return entry.scale * np.asarray(logged) + entry.offset
