@@ -93,3 +93,12 @@ def test_a_told_load_is_in_the_nominal_model_of_its_log_alone(tmp_path: Path) ->
     system = MjcfSystem(spec(), channels, [*runs["loaded/a.csv"], *runs["b.csv"]], {"cart": 1e-3})
     masses = [system._model((), BASE, runs[name][0].description).body_subtreemass[0] for name in runs]
     assert masses == pytest.approx([4.0, 2.0])
+
+
+def test_jumps_of_a_turn_are_undone(tmp_path: Path) -> None:
+    channels = parse_channel_map(MAP.replace('unit = "m"', 'unit = "m"\nwrap = 1.5\nscale = 2.0'))
+    time, path = np.arange(0, 6, 0.01), tmp_path / "b.csv"
+    rows = np.stack([time, time, (0.7 * time) % 1.5], axis=1)
+    np.savetxt(path, rows, delimiter=",", header="t,u,x", comments="")
+    found = np.concatenate([part["cart"].values[:, 0] for part in stretches_of(path, channels)])
+    assert found == pytest.approx(1.4 * time[: len(found)])
