@@ -22,7 +22,7 @@ from boom_mj.diagnosis.criteria import Criteria
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.scoring import Scored
 from boom_mj.effects import Effect
-from boom_mj.estimation.bootstrap import resampled_means
+from boom_mj.estimation.bootstrap import log_squares, resampled_means
 from boom_mj.estimation.intervals import TAIL
 
 Array = np.ndarray
@@ -97,6 +97,11 @@ def needed(best: Scored, scored: Sequence[Scored], nominal: Array, effect: Effec
     Explanations that hold a special case of it, or of which it is one, do not do without it.
     """
     model, others = best.model, [one for one in scored if apart(type(effect), effect.site, one.fit.effects)]
+    if model.criteria.gain_z:
+        residuals = [best.fit.residual, nominal, *(one.fit.residual for one in others)]
+        cells, windows = log_squares(model.data, np.array(residuals))
+        scores = resampled_means(windows, cells)
+        return bool(np.quantile((scores[:, 1:].min(axis=1) - scores[:, 0])[1:], TAIL) > 0)
     squares = _mean_squares(model, [best.fit.residual, nominal, *(one.fit.residual for one in others)])
     rival = squares[:, 1:].min(axis=1)
     closes = (rival - squares[:, 0]) / np.maximum(rival - 1, 1e-9)

@@ -69,9 +69,7 @@ class SearchBudget:
 
 INFINITE = float("inf")
 BOOM = Criteria()
-MJCF = Criteria(
-    second_cause_gap=INFINITE, error_share=0.02, named_closure=0.0, required_gain=0.0, gain_z=1.0, leakage=0.0
-)
+MJCF = Criteria(second_cause_gap=INFINITE, error_share=0.02, required_gain=0.0, gain_z=1.0, leakage=0.0)
 OF_KIND = {"boom": BOOM, "mjcf": MJCF}
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.scoring import Scored
-from boom_mj.estimation.bootstrap import Closure, worse_by
+from boom_mj.estimation.bootstrap import Closure, log_squares, mean_over, worse_by
 from boom_mj.estimation.intervals import FEWEST
 
 Array = np.ndarray
@@ -36,13 +36,19 @@ def explains(nominal: Gaps, found: Scored, share: Closure) -> bool:
 
 
 def held_out_loss(model: Linearisation, better: Array, worse: Array) -> tuple[float, float]:
-    """By how much a residual (N,) is worse than another in what is held out, and the standard error of that."""
+    """By how much a residual (N,) is worse than another in what is held out, and the standard error of that.
+
+    In mean squares, or, where `gain_z` decides, in mean logarithms of them (`estimation.bootstrap.log_squares`).
+    """
     data, rows = model.data, model.data.held_out
-    clusters = [data.windows]
-    if model.criteria.gain_z:  # of few stretches, and of motions that repeat, windows are not independent
-        clusters += [data.recording_of, *([data.moments(model.facts.repeat_s)] if model.facts.repeat_s else [])]
-        clusters = clusters[:1] + [one for one in clusters[1:] if len(np.unique(one[rows])) >= FEWEST]
-    losses = [worse_by(one[rows], better[rows], worse[rows]) for one in clusters]
+    if not model.criteria.gain_z:
+        return worse_by(data.windows[rows], better[rows], worse[rows])
+    cells, windows = log_squares(data, np.array([better, worse]))
+    # of few segments, and of motions that repeat, windows are not independent
+    clusters = [data.recording_of, *([data.moments(model.facts.repeat_s)] if model.facts.repeat_s else [])]
+    first = np.unique(data.windows[rows], return_index=True)[1]
+    alike = [cluster[rows][first][windows] for cluster in clusters]
+    losses = [mean_over(c, cells[1] - cells[0]) for c in (windows, *(c for c in alike if len(np.unique(c)) >= FEWEST))]
     return losses[0][0], max(error for _, error in losses)
 
 
@@ -72,18 +78,21 @@ def _within_error(scored: Sequence[Scored], before: float) -> Scored:
 
     Of explanations that tie, one of likely sizes goes before one of unlikely ones.
     """
+    criteria, data = scored[0].model.criteria, scored[0].model.data
+    logs = log_squares(data, np.array([j.fit.residual for j in scored]))[0].mean(axis=1)
+    price = {id(j): log + criteria.parameter_cost * len(j.fit.scaled) for j, log in zip(scored, logs)}
 
     def near(best: Scored, z: float) -> list[Scored]:
         losses = [held_out_loss(best.model, best.fit.residual, j.fit.residual) for j in scored]
         return [j for j, (loss, error) in zip(scored, losses) if loss <= z * error]
 
-    best, criteria = min(scored, key=_price), scored[0].model.criteria
+    best = min(scored, key=lambda j: price[id(j)])
     if not best.plausible:
         enough = best.held_out + criteria.tie_closure * (before - 1)
         likely = [j for j in near(best, criteria.tie_z) if j.plausible and j.held_out < enough]
-        best = min(likely, key=_price, default=best)
+        best = min(likely, key=lambda j: price[id(j)], default=best)
     alike = [j for j in near(best, criteria.gain_z) if j.plausible or not best.plausible]
-    return min(alike, key=lambda j: (len(j.fit.effects), len(j.fit.scaled), j.held_out), default=best)
+    return min(alike, key=lambda j: (len(j.fit.effects), len(j.fit.scaled), price[id(j)]), default=best)
 
 
 def _price(found: Scored) -> float:

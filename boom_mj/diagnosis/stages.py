@@ -150,6 +150,8 @@ def _shared(trunk: tuple[Effect, ...], scored: Sequence[Scored]) -> list[Candida
 def _simplified(scored: list[Scored], nominal: Gaps, clock: Clock) -> list[Scored]:
     """With what remains of the leader with one effect or some parameters less, as long as that is chosen."""
     leader, budget = scored[0], scored[0].model.budget
+    if leader.model.criteria.gain_z:  # it goes by another score
+        leader = choose(scored, nominal) or leader
     while leader:
         known = {j.fit.candidate.places: j.held_out for j in reversed(scored)}
         parts = _fit_all(leader.model, list(Candidate(leader.fit.effects).simpler()), clock)

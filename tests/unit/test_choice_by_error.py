@@ -13,7 +13,7 @@ from boom_mj.diagnosis.scoring import _hidden
 
 WINDOWS = np.repeat(np.arange(40), 25)
 ALL = np.ones(1000, bool)
-DATA = SimpleNamespace(windows=WINDOWS, held_out=ALL, recording_of=WINDOWS // 20)
+DATA = SimpleNamespace(windows=WINDOWS, held_out=ALL, recording_of=WINDOWS // 20, channel_of=np.zeros(1000, int))
 MODEL: Any = SimpleNamespace(criteria=MJCF, data=DATA, facts=SimpleNamespace(repeat_s=None))
 NOISE = np.random.default_rng(1).normal(size=1000)
 
@@ -65,6 +65,14 @@ def test_an_unlikely_size_must_do_better_than_tie(better: float, chosen: str) ->
     likely, unlikely = leaving(4.0, 1, 5), leaving(better, 1, 6, plausible=False)
     found = choose([unlikely, likely], NOMINAL)  # type: ignore[list-item]
     assert found is {"likely": likely, "unlikely": unlikely}[chosen]
+
+
+def test_the_worst_moments_do_not_outvote_all_others() -> None:
+    """One window of forty that gets worse by more than all others get better."""
+    one = 4.0 * NOISE
+    two = np.where(WINDOWS == 7, 20.0, 3.0) * NOISE
+    assert np.mean(two**2) > np.mean(one**2)
+    assert choose([Explanation(1, one), best := Explanation(2, two)], NOMINAL) is best  # type: ignore[list-item]
 
 
 def test_few_recordings_make_a_standard_error_no_smaller() -> None:
