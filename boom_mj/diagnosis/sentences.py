@@ -10,6 +10,8 @@ from boom_mj.diagnosis.named import brief, closure_of, described
 from boom_mj.diagnosis.scoring import Scored
 from boom_mj.estimation.bootstrap import gap
 
+BESIDE = 4  # suspects that a sentence names
+
 
 def rival(found: Diagnosis, other: Scored) -> dict[str, Any]:
     """A candidate that lost, and why."""
@@ -54,7 +56,8 @@ def sentence(found: Diagnosis) -> str:
         left = f"{found.best.held_out:.2f} is left" if found.best else ""
         text += f"; {left}, which {in_words(locate(found.model, found.residual)).replace('it is seen', 'is seen')}"
         if beside := _beside(found):
-            text += f". The data do not tell what acts beside: {', '.join(beside)}"
+            others = f" and {len(beside) - BESIDE} others" * (len(beside) > BESIDE)
+            text += f". The data do not tell what acts beside: {', '.join(beside[:BESIDE])}{others}"
     return f"{text}. Without it, {where}.{_extended(found)}{_unfinished(found)}"
 
 
