@@ -74,7 +74,7 @@ def choose(scored: Sequence[Scored], nominal: Gaps) -> Scored | None:
 
 
 def _within_error(scored: Sequence[Scored], before: float) -> Scored:
-    """The simplest explanation that is no worse than the best by more than its standard error.
+    """The simplest explanation that is no worse than the best by more than its standard error, or leaves as little.
 
     Of explanations that tie, one of likely sizes goes before one of unlikely ones.
     """
@@ -84,7 +84,8 @@ def _within_error(scored: Sequence[Scored], before: float) -> Scored:
 
     def near(best: Scored, z: float) -> list[Scored]:
         losses = [held_out_loss(best.model, best.fit.residual, j.fit.residual) for j in scored]
-        return [j for j, (loss, error) in zip(scored, losses) if loss <= z * error]
+        equal = [abs(j.held_out**2 - best.held_out**2) < criteria.least_gain for j in scored]
+        return [j for j, (loss, error), same in zip(scored, losses, equal) if same or loss <= z * error]
 
     best = min(scored, key=lambda j: price[id(j)])
     if not best.plausible:
@@ -116,7 +117,7 @@ def _with_more(best: Scored | None, larger: Sequence[Scored], scored: Sequence[S
 def _simplest(best: Scored | None, rivals: Sequence[Scored], before: float) -> Scored | None:
     """The same causes with fewer parameters, where the others do not close their share of what those leave."""
     for found in rivals:
-        if best and _nested(found, best):
+        if best and nested(found, best):
             criteria = found.model.criteria
             loss = found.held_out**2 - best.held_out**2
             share = criteria.required_gain * (found.held_out - 1)
@@ -132,14 +133,14 @@ def ties_with(model: Linearisation, best: Scored, other: Scored, before: float) 
     """Whether a rival does as well within its uncertainty; supersets of the best do not count."""
     if set(best.fit.candidate.places) <= set(other.fit.candidate.places):
         return False
-    if _nested(best, other) or len(other.fit.effects) > len(best.fit.effects):
+    if nested(best, other) or len(other.fit.effects) > len(best.fit.effects):
         return False
     worse, error = held_out_loss(model, best.fit.residual, other.fit.residual)
     criteria = model.criteria
     return (other.held_out - best.held_out) < criteria.tie_closure * (before - 1) and worse < criteria.tie_z * error
 
 
-def _nested(best: Scored, other: Scored) -> bool:
+def nested(best: Scored, other: Scored) -> bool:
     """Whether the rival is the same effects, or what has them as special cases, with more freedom."""
     pairs = list(zip(best.fit.effects, other.fit.effects))
     alike = len(best.fit.effects) == len(other.fit.effects) and all(
