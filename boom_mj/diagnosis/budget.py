@@ -100,7 +100,7 @@ def needed(best: Scored, scored: Sequence[Scored], nominal: Array, effect: Effec
     if model.criteria.gain_z:
         residuals = [best.fit.residual, nominal, *(one.fit.residual for one in others)]
         cells, windows = log_squares(model.data, np.array(residuals))
-        scores = resampled_means(windows, cells)
+        scores = resampled_means(windows, cells) + np.array([best.doubt, 0.0, *(one.doubt for one in others)])
         return bool(np.quantile((scores[:, 1:].min(axis=1) - scores[:, 0])[1:], TAIL) > 0)
     squares = _mean_squares(model, [best.fit.residual, nominal, *(one.fit.residual for one in others)])
     rival = squares[:, 1:].min(axis=1)

@@ -36,6 +36,9 @@ class Criteria:
     gain_z: float = number(
         0.0, "standard errors", "by which one more cause must lower what is held out; 0: by its share"
     )
+    unlikely_gap: float = number(
+        0.5, "share of gap", "that an unlikely size may leave, of what likely ones leave: doubt"
+    )
     leakage: float = number(0.01, "share", "of the mean square closed, that an effect's own inaccuracy may leave")
 
 

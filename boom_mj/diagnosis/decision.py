@@ -63,7 +63,7 @@ def choose(scored: Sequence[Scored], nominal: Gaps) -> Scored | None:
     before = nominal[1]
     helpful = [j for j in scored if useful(j, nominal)]
     if helpful and helpful[0].model.criteria.gain_z:
-        return _within_error(helpful, nominal[1])
+        return _within_error(helpful)
     singles = [j for j in helpful if len(j.fit.effects) == 1]
     singles = [j for j in singles if solved(nominal, j)] or singles
     best = min(singles, key=_price, default=None)
@@ -73,13 +73,13 @@ def choose(scored: Sequence[Scored], nominal: Gaps) -> Scored | None:
     return best
 
 
-def _within_error(scored: Sequence[Scored], before: float) -> Scored:
+def _within_error(scored: Sequence[Scored]) -> Scored:
     """The simplest explanation that is no worse than the best by more than its standard error, or leaves as little.
 
-    Of explanations that tie, one of likely sizes goes before one of unlikely ones.
+    One of likely sizes goes before one of unlikely ones (`Scored.doubt`).
     """
     criteria, data = scored[0].model.criteria, scored[0].model.data
-    logs = log_squares(data, np.array([j.fit.residual for j in scored]))[0].mean(axis=1)
+    logs = log_squares(data, np.array([j.fit.residual for j in scored]))[0].mean(axis=1) + [j.doubt for j in scored]
     price = {id(j): log + criteria.parameter_cost * len(j.fit.scaled) for j, log in zip(scored, logs)}
 
     def near(best: Scored, z: float) -> list[Scored]:
@@ -88,10 +88,6 @@ def _within_error(scored: Sequence[Scored], before: float) -> Scored:
         return [j for j, (loss, error), same in zip(scored, losses, equal) if same or loss <= z * error]
 
     best = min(scored, key=lambda j: price[id(j)])
-    if not best.plausible:
-        enough = best.held_out + criteria.tie_closure * (before - 1)
-        likely = [j for j in near(best, criteria.tie_z) if j.plausible and j.held_out < enough]
-        best = min(likely, key=lambda j: price[id(j)], default=best)
     alike = [j for j in near(best, criteria.gain_z) if j.plausible or not best.plausible]
     return min(alike, key=lambda j: (len(j.fit.effects), len(j.fit.scaled), price[id(j)]), default=best)
 

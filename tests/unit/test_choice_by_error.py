@@ -28,6 +28,10 @@ class Explanation:
     model: Any = field(default_factory=lambda: MODEL)
 
     @property
+    def doubt(self) -> float:
+        return 0.0 if self.plausible else -2 * float(np.log(MJCF.unlikely_gap))
+
+    @property
     def held_out(self) -> float:
         return float(np.sqrt(np.mean(self.residual**2)))
 
@@ -60,8 +64,8 @@ def test_a_second_cause_within_its_error_does_not() -> None:
     assert choose([best, other], NOMINAL) is one  # type: ignore[list-item]
 
 
-@pytest.mark.parametrize(("better", "chosen"), [(3.9, "likely"), (3.0, "unlikely")])
-def test_an_unlikely_size_must_do_better_than_tie(better: float, chosen: str) -> None:
+@pytest.mark.parametrize(("better", "chosen"), [(2.5, "likely"), (1.0, "unlikely")])
+def test_an_unlikely_size_must_leave_half_of_what_a_likely_one_leaves(better: float, chosen: str) -> None:
     likely, unlikely = leaving(4.0, 1, 5), leaving(better, 1, 6, plausible=False)
     found = choose([unlikely, likely], NOMINAL)  # type: ignore[list-item]
     assert found is {"likely": likely, "unlikely": unlikely}[chosen]
