@@ -95,7 +95,7 @@ def add_relaxation(spec: mujoco.MjSpec, joint: mujoco.MjsJoint, share: float, ti
     """A share of a joint's stiffness on a dashpot: a spring between the joint and a damped one that weighs nothing."""
     name, stiffness = f"{joint.name}/relaxed", share * float(joint.stiffness[0])
     dashpot = spec.worldbody.add_body(name=name, gravcomp=1.0)
-    dashpot.mass, dashpot.inertia, dashpot.explicitinertial = LIGHT, np.full(3, LIGHT), True
+    dashpot.mass, dashpot.ipos, dashpot.inertia, dashpot.explicitinertial = LIGHT, np.zeros(3), np.full(3, LIGHT), True
     follower = dashpot.add_joint(name=name, type=joint.type, axis=joint.axis, ref=joint.ref)
     follower.damping[0] = stiffness * time
     follower.armature = stiffness * (2 * spec.option.timestep) ** 2

@@ -81,3 +81,18 @@ def test_rest_is_softer_than_motion_by_the_share_that_relaxes() -> None:
     crossings = np.flatnonzero(np.diff(np.sign(path)))
     period = 2 * np.mean(np.diff(crossings)) * slow.opt.timestep
     assert period == pytest.approx(2 * np.pi / np.sqrt(100), rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("xml", "one"),
+    [
+        (SLIDE, effect("friction_behind_play", half_gap=GAP, stiffness=STIFFNESS)),
+        (SPRING, effect("relaxing_stiffness", share=0.3, time=0.5)),
+    ],
+    ids=["play", "rest"],
+)
+def test_a_corrected_file_can_be_read_again(xml: str, one: Effect) -> None:
+    """What is written of a model with the effect is a model with it."""
+    spec = edited(xml, one)
+    again = mujoco.MjModel.from_xml_string((spec.compile(), spec.to_xml())[1])
+    assert again.ntendon == 1
