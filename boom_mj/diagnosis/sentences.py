@@ -55,7 +55,7 @@ def sentence(found: Diagnosis) -> str:
     if found.verdict == "partial":
         left = f"{found.best.held_out:.2f} is left" if found.best else ""
         text += f"; {left}, which {in_words(locate(found.model, found.residual)).replace('it is seen', 'is seen')}"
-        if beside := _beside(found):
+        if found.criteria.gain_z and (beside := _beside(found)):
             others = f" and {len(beside) - BESIDE} others" * (len(beside) > BESIDE)
             text += f". The data do not tell what acts beside: {', '.join(beside[:BESIDE])}{others}"
     return f"{text}. Without it, {where}.{_extended(found)}{_unfinished(found)}"
