@@ -9,6 +9,7 @@ explanation suffices and is the cheapest, or none suffices, so that something ou
 each is true is its probability; raw likelihoods of many correlated samples would make every wrong name certain.
 """
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -21,11 +22,11 @@ from boom_mj.diagnosis.criteria import Criteria
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.scoring import Scored
 from boom_mj.effects import Effect
-from boom_mj.estimation.bootstrap import resampled_means
+from boom_mj.estimation.bootstrap import log_squares, resampled_means
 from boom_mj.estimation.intervals import TAIL
 
 Array = np.ndarray
-MOST_SUBSETS = 32  # of effects that are simulated for shares; of more effects each is left out, and added first
+MOST_SUBSETS = 32  # of effects that are simulated for shares; more effects are added in turn, each first and last once
 
 
 @dataclass(frozen=True)
@@ -96,6 +97,11 @@ def needed(best: Scored, scored: Sequence[Scored], nominal: Array, effect: Effec
     Explanations that hold a special case of it, or of which it is one, do not do without it.
     """
     model, others = best.model, [one for one in scored if apart(type(effect), effect.site, one.fit.effects)]
+    if model.criteria.gain_z:
+        residuals = [best.fit.residual, nominal, *(one.fit.residual for one in others)]
+        cells, windows = log_squares(model.data, np.array(residuals))
+        scores = resampled_means(windows, cells) + np.array([best.doubt, 0.0, *(one.doubt for one in others)])
+        return bool(np.quantile((scores[:, 1:].min(axis=1) - scores[:, 0])[1:], TAIL) > 0)
     squares = _mean_squares(model, [best.fit.residual, nominal, *(one.fit.residual for one in others)])
     rival = squares[:, 1:].min(axis=1)
     closes = (rival - squares[:, 0]) / np.maximum(rival - 1, 1e-9)
@@ -117,7 +123,8 @@ def _subsets(count: int) -> list[tuple[int, ...]]:
     whole = tuple(range(count))
     if 2**count <= MOST_SUBSETS:
         return [subset for size in range(count + 1) for subset in combinations(whole, size)]
-    return [(), *((k,) for k in whole), *(tuple(j for j in whole if j != k) for k in whole), whole]
+    arcs = [tuple(sorted((k + j) % count for j in range(size))) for size in range(1, count) for k in whole]
+    return [(), *arcs, whole]
 
 
 def _residuals(nominal: Array, best: Scored, subsets: Sequence[tuple[int, ...]]) -> list[Array]:
@@ -136,12 +143,15 @@ def _residuals(nominal: Array, best: Scored, subsets: Sequence[tuple[int, ...]])
 def _shapley(squares: Array, at: Mapping[tuple[int, ...], int], effect: int, count: int) -> Array:
     """What an effect takes off the mean square, in the mean over orders of adding, (draws + 1,)."""
     total, weights = np.zeros(len(squares)), 0.0
-    for subset, k in at.items():
-        joined = tuple(sorted((*subset, effect)))
-        if effect not in subset and joined in at:
-            weight = factorial(len(subset)) * factorial(count - len(subset) - 1) / factorial(count)
-            total += weight * (squares[:, k] - squares[:, at[joined]])
-            weights += weight
+    pairs = [(s, tuple(sorted((*s, effect)))) for s in at if effect not in s]
+    pairs = [(subset, joined) for subset, joined in pairs if joined in at]
+    alike = Counter(len(subset) for subset, _ in pairs)
+    for subset, joined in pairs:
+        weight = factorial(len(subset)) * factorial(count - len(subset) - 1) / factorial(count)
+        if len(at) < 2**count:
+            weight = 1 / (count * alike[len(subset)])
+        total += weight * (squares[:, at[subset]] - squares[:, at[joined]])
+        weights += weight
     return total / weights
 
 

@@ -33,6 +33,12 @@ class Criteria:
     seen_share: float = number(0.2, "share", "of a residual that a look must take to be told")
     error_share: float = number(0.005, "share of gap", "that a model's own error may leave besides noise")
     required_gain: float = number(0.5, "share of gap", "of what is left above noise, that another effect must close")
+    gain_z: float = number(
+        0.0, "standard errors", "by which one more cause must lower what is held out; 0: by its share"
+    )
+    unlikely_gap: float = number(
+        0.5, "share of gap", "that an unlikely size may leave, of what likely ones leave: doubt"
+    )
     leakage: float = number(0.01, "share", "of the mean square closed, that an effect's own inaccuracy may leave")
 
 
@@ -66,7 +72,7 @@ class SearchBudget:
 
 INFINITE = float("inf")
 BOOM = Criteria()
-MJCF = Criteria(second_cause_gap=INFINITE, error_share=0.02, required_gain=0.2, leakage=0.0)
+MJCF = Criteria(second_cause_gap=INFINITE, error_share=0.02, required_gain=0.0, gain_z=1.0, leakage=0.0)
 OF_KIND = {"boom": BOOM, "mjcf": MJCF}
 
 

@@ -6,7 +6,8 @@ import numpy as np
 
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.scoring import Scored
-from boom_mj.estimation.bootstrap import Closure, worse_by
+from boom_mj.estimation.bootstrap import Closure, log_squares, mean_over, worse_by
+from boom_mj.estimation.intervals import FEWEST
 
 Array = np.ndarray
 Gaps = tuple[float, float]  # training, held out
@@ -35,9 +36,20 @@ def explains(nominal: Gaps, found: Scored, share: Closure) -> bool:
 
 
 def held_out_loss(model: Linearisation, better: Array, worse: Array) -> tuple[float, float]:
-    """By how much a residual (N,) is worse than another in what is held out, and the standard error of that."""
-    rows = model.data.held_out
-    return worse_by(model.data.windows[rows], better[rows], worse[rows])
+    """By how much a residual (N,) is worse than another in what is held out, and the standard error of that.
+
+    In mean squares, or, where `gain_z` decides, in mean logarithms of them (`estimation.bootstrap.log_squares`).
+    """
+    data, rows = model.data, model.data.held_out
+    if not model.criteria.gain_z:
+        return worse_by(data.windows[rows], better[rows], worse[rows])
+    cells, windows = log_squares(data, np.array([better, worse]))
+    # of few segments, and of motions that repeat, windows are not independent
+    clusters = [data.recording_of, *([data.moments(model.facts.repeat_s)] if model.facts.repeat_s else [])]
+    first = np.unique(data.windows[rows], return_index=True)[1]
+    alike = [cluster[rows][first][windows] for cluster in clusters]
+    losses = [mean_over(c, cells[1] - cells[0]) for c in (windows, *(c for c in alike if len(np.unique(c)) >= FEWEST))]
+    return losses[0][0], max(error for _, error in losses)
 
 
 def sure(model: Linearisation, nominal: Array, found: Scored) -> bool:
@@ -50,6 +62,8 @@ def choose(scored: Sequence[Scored], nominal: Gaps) -> Scored | None:
     """The best single cause, of those that suffice if any do, with few parameters, or more causes, each worth it."""
     before = nominal[1]
     helpful = [j for j in scored if useful(j, nominal)]
+    if helpful and helpful[0].model.criteria.gain_z:
+        return _within_error(helpful)
     singles = [j for j in helpful if len(j.fit.effects) == 1]
     singles = [j for j in singles if solved(nominal, j)] or singles
     best = min(singles, key=_price, default=None)
@@ -57,6 +71,25 @@ def choose(scored: Sequence[Scored], nominal: Gaps) -> Scored | None:
     for size in range(2, 1 + max((len(j.fit.effects) for j in helpful), default=0)):
         best = _with_more(best, [j for j in helpful if len(j.fit.effects) == size], scored, before)
     return best
+
+
+def _within_error(scored: Sequence[Scored]) -> Scored:
+    """The simplest explanation that is no worse than the best by more than its standard error, or leaves as little.
+
+    One of likely sizes goes before one of unlikely ones (`Scored.doubt`).
+    """
+    criteria, data = scored[0].model.criteria, scored[0].model.data
+    logs = log_squares(data, np.array([j.fit.residual for j in scored]))[0].mean(axis=1) + [j.doubt for j in scored]
+    price = {id(j): log + criteria.parameter_cost * len(j.fit.scaled) for j, log in zip(scored, logs)}
+
+    def near(best: Scored, z: float) -> list[Scored]:
+        losses = [held_out_loss(best.model, best.fit.residual, j.fit.residual) for j in scored]
+        equal = [abs(j.held_out**2 - best.held_out**2) < criteria.least_gain for j in scored]
+        return [j for j, (loss, error), same in zip(scored, losses, equal) if same or loss <= z * error]
+
+    best = min(scored, key=lambda j: price[id(j)])
+    alike = [j for j in near(best, criteria.gain_z) if j.plausible or not best.plausible]
+    return min(alike, key=lambda j: (len(j.fit.effects), len(j.fit.scaled), price[id(j)]), default=best)
 
 
 def _price(found: Scored) -> float:
@@ -80,7 +113,7 @@ def _with_more(best: Scored | None, larger: Sequence[Scored], scored: Sequence[S
 def _simplest(best: Scored | None, rivals: Sequence[Scored], before: float) -> Scored | None:
     """The same causes with fewer parameters, where the others do not close their share of what those leave."""
     for found in rivals:
-        if best and _nested(found, best):
+        if best and nested(found, best):
             criteria = found.model.criteria
             loss = found.held_out**2 - best.held_out**2
             share = criteria.required_gain * (found.held_out - 1)
@@ -96,14 +129,14 @@ def ties_with(model: Linearisation, best: Scored, other: Scored, before: float) 
     """Whether a rival does as well within its uncertainty; supersets of the best do not count."""
     if set(best.fit.candidate.places) <= set(other.fit.candidate.places):
         return False
-    if _nested(best, other) or len(other.fit.effects) > len(best.fit.effects):
+    if nested(best, other) or len(other.fit.effects) > len(best.fit.effects):
         return False
     worse, error = held_out_loss(model, best.fit.residual, other.fit.residual)
     criteria = model.criteria
     return (other.held_out - best.held_out) < criteria.tie_closure * (before - 1) and worse < criteria.tie_z * error
 
 
-def _nested(best: Scored, other: Scored) -> bool:
+def nested(best: Scored, other: Scored) -> bool:
     """Whether the rival is the same effects, or what has them as special cases, with more freedom."""
     pairs = list(zip(best.fit.effects, other.fit.effects))
     alike = len(best.fit.effects) == len(other.fit.effects) and all(

@@ -204,6 +204,8 @@ def _concluded(
         verdict = "ambiguous" if ties else "explained"
     elif best and any(needed(best, scored, nominal, effect) for effect in best.fit.effects):
         verdict = "partial"
+        if criteria.gain_z:  # what is left does not hide that others leave as much
+            ties = tuple(j for j in scored if j is not best and ties_with(model, best, j, before))
     following = None
     if best and ties:
         clock.tell("the next experiment")

@@ -29,6 +29,7 @@ def described(found: Diagnosis) -> list[dict[str, Any]]:
                     "low": ends[0],
                     "high": ends[1],
                     "unit": parameter.unit,
+                    **({} if parameter.plausible(effect.values[name]) else {"implausible": True}),
                 }
         parameters |= _of_latent(best, effect, parameters)
         alone = next((j for j in found.scored if j.fit.candidate.places == Candidate((effect,)).places), None)

@@ -36,6 +36,17 @@ class Scored:
         return self.train, self.held_out
 
     @property
+    def plausible(self) -> bool:
+        """Whether all sizes are physically likely."""
+        effects = self.fit.effects
+        return all(e.declared[name].plausible(value) for e in effects for name, value in e.values.items())
+
+    @property
+    def doubt(self) -> float:
+        """What unlikely sizes cost, in logarithms of mean squares."""
+        return 0.0 if self.plausible else -2 * float(np.log(self.model.criteria.unlikely_gap))
+
+    @property
     def label(self) -> str:
         return self.fit.candidate.label
 
@@ -56,6 +67,8 @@ def deviations(model: Linearisation, found: Fit) -> Array:
     Residuals are correlated within windows and, where the model is wrong, within whole recordings, and at the same
     moment of every pass of a motion that repeats. The largest counts, and no less than H^-1, what is left when
     nuisances may be anything that their priors allow, those at a limit too: it is a valley that ends there, not a wall.
+    To what residuals show comes, where `gain_z` decides, what they cannot: an error of the model that looks like the
+    parameter's own column and moved it instead of staying (`_hidden`).
     """
     data, repeat_s = model.data, model.facts.repeat_s
     train = data.train
@@ -65,7 +78,24 @@ def deviations(model: Linearisation, found: Fit) -> Array:
     clusters = [data.windows[train], data.recording_of[train]]
     if repeat_s is not None:
         clusters.append(data.moments(repeat_s)[train])
-    return np.sqrt(robust_variance(inverse, clean * found.residual[train][:, None], clusters))
+    variance = robust_variance(inverse, clean * found.residual[train][:, None], clusters)
+    if model.criteria.gain_z:
+        alone = clusters[0] if repeat_s is None else clusters[-1]
+        variance = variance + _hidden(inverse, clean, found.residual[train], data.channel_of[train], alone)
+    return np.sqrt(variance)
+
+
+def _hidden(inverse: Array, columns: Array, residual: Array, channel: Array, cluster: Array) -> Array:
+    """Variance from model error that fits absorb, (p,): H^-1 (J^T D J) H^-1, D = n (m^2 - 1).
+
+    Error as large as what is left of a channel, m^2 - 1 beyond noise, may have the column's own shape within every
+    cluster, whose n entries then move the parameter together, and independently from one cluster to the next.
+    """
+    number = np.unique(channel * (cluster.max() + 1) + cluster, return_inverse=True)[1]
+    groups = np.unique(channel, return_inverse=True)[1]
+    excess = np.maximum(np.bincount(groups, residual**2) / np.bincount(groups) - 1, 0.0)[groups]
+    weight = excess * np.bincount(number)[number]
+    return np.diag(inverse @ (columns.T @ (columns * weight[:, None])) @ inverse)
 
 
 def profiled(found: Scored, before: float) -> Scored:

@@ -3,11 +3,14 @@
 from collections.abc import Mapping
 from typing import Any
 
+from boom_mj.diagnosis.candidate import Candidate
 from boom_mj.diagnosis.diagnose import Diagnosis
 from boom_mj.diagnosis.localisation import in_words, locate
 from boom_mj.diagnosis.named import brief, closure_of, described
 from boom_mj.diagnosis.scoring import Scored
 from boom_mj.estimation.bootstrap import gap
+
+BESIDE = 4  # suspects that a sentence names
 
 
 def rival(found: Diagnosis, other: Scored) -> dict[str, Any]:
@@ -45,14 +48,25 @@ def sentence(found: Diagnosis) -> str:
     causes = [_in_words(entry) for entry, so in zip(described(found), named) if so]
     cause, close = " and ".join(causes), "closes" if len(causes) == 1 else "close"
     text = f"{cause[0].upper()}{cause[1:]} {close} {found.closure.value:.0%} of the held-out gap of {before:.1f}"
-    if found.ties:
+    if found.ties and found.verdict != "partial":
         text += ", and so would " + " or ".join(j.label for j in found.ties)
         if found.next_experiment:
             text += f"; {found.next_experiment} would tell them apart"
     if found.verdict == "partial":
         left = f"{found.best.held_out:.2f} is left" if found.best else ""
         text += f"; {left}, which {in_words(locate(found.model, found.residual)).replace('it is seen', 'is seen')}"
+        if found.criteria.gain_z and (beside := _beside(found)):
+            others = f" and {len(beside) - BESIDE} others" * (len(beside) > BESIDE)
+            text += f". The data do not tell what acts beside: {', '.join(beside[:BESIDE])}{others}"
     return f"{text}. Without it, {where}.{_extended(found)}{_unfinished(found)}"
+
+
+def _beside(found: Diagnosis) -> list[str]:
+    """Causes that are not sure, of the best explanation and of those that do as well."""
+    explanations = [one.fit.effects for one in (found.best, *found.ties) if one]
+    sure = {e.cause for e, so in zip(found.best.fit.effects, found.sure) if so} if found.best else set()
+    beside = [effect for effects in explanations for effect in effects if effect.cause not in sure]
+    return list(dict.fromkeys(Candidate((effect,)).label.replace("_", " ") for effect in beside))
 
 
 def _unfinished(found: Diagnosis) -> str:
@@ -72,6 +86,7 @@ def _in_words(entry: Mapping[str, Any]) -> str:
     """An effect as `described`."""
     place = ", ".join(f"{k} {v}" for k, v in entry["location"].items())
     sizes = ", ".join(
-        f"{name} {size['value']:.4g} {size['unit']}".removesuffix(" 1") for name, size in entry["parameters"].items()
+        f"{name} {size['value']:.4g} {size['unit']}".removesuffix(" 1") + ", implausible" * ("implausible" in size)
+        for name, size in entry["parameters"].items()
     )
     return f"{entry['id'].replace('_', ' ')}{f' at {place}' if place else ''} ({sizes})"

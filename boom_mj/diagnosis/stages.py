@@ -7,7 +7,7 @@ import numpy as np
 
 from boom_mj.diagnosis.candidate import Candidate, apart, everywhere
 from boom_mj.diagnosis.clock import Clock
-from boom_mj.diagnosis.decision import Gaps, choose, complete, solved, useful
+from boom_mj.diagnosis.decision import Gaps, choose, complete, nested, solved, useful
 from boom_mj.diagnosis.fitting import fit, grid_starts, refine_jointly
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.scoring import Scored, profiled, score
@@ -150,6 +150,8 @@ def _shared(trunk: tuple[Effect, ...], scored: Sequence[Scored]) -> list[Candida
 def _simplified(scored: list[Scored], nominal: Gaps, clock: Clock) -> list[Scored]:
     """With what remains of the leader with one effect or some parameters less, as long as that is chosen."""
     leader, budget = scored[0], scored[0].model.budget
+    if leader.model.criteria.gain_z:  # it goes by another score
+        leader = choose(scored, nominal) or leader
     while leader:
         known = {j.fit.candidate.places: j.held_out for j in reversed(scored)}
         parts = _fit_all(leader.model, list(Candidate(leader.fit.effects).simpler()), clock)
@@ -180,6 +182,9 @@ def _refined(scored: Sequence[Scored], nominal: Gaps, clock: Clock) -> list[Scor
     enough, learnt = 1 + budget.hope * (nominal[1] - 1), near(model, nominal[0])
     close = [j for j in scored if j.held_out < min(budget.close * scored[0].held_out, enough)][: budget.leaders]
     close += [j for j in sorted(scored, key=lambda j: j.train)[:1] if j not in close and j.train < learnt]
+    if model.criteria.gain_z:  # the simplest that does as well is chosen: special cases must have their chance
+        special = [j for j in scored for one in close if _sites(j) == _sites(one) and nested(j, one)]
+        close += [j for j in dict.fromkeys(special) if j not in close]
     done: list[Scored] = []
     for one in close:
         behind = one.held_out - close[0].held_out > budget.rival * (nominal[1] - 1)
@@ -189,6 +194,10 @@ def _refined(scored: Sequence[Scored], nominal: Gaps, clock: Clock) -> list[Scor
         done.append(_refine(one, nominal, clock))
         clock.tell(f"{one.label} refined: held-out gap {one.held_out:.2f} -> {done[-1].held_out:.2f}")
     return sorted([*done, *(j for j in scored if j not in close)], key=lambda j: j.held_out)
+
+
+def _sites(scored: Scored) -> list[tuple]:
+    return [effect.site.key for effect in scored.fit.effects]
 
 
 def near(model: Linearisation, gap: float) -> float:

@@ -19,6 +19,7 @@ class Parameter:
         low, high: bounds, the neutral value among them.
         typical: distance from neutral that is worth finding; for an inverse one, the value itself.
         inverse: whether its reciprocal is what acts (stiffness of something that nominally does not give).
+        likely: within which machines that serve lie; None where nothing is known. The effect's file says why.
     """
 
     unit: str
@@ -27,11 +28,16 @@ class Parameter:
     high: float
     typical: float
     inverse: bool = False
+    likely: tuple[float, float] | None = None
 
     @property
     def bounds(self) -> tuple[float, float]:
         """Least and largest value."""
         return self.low, self.high
+
+    def plausible(self, value: float) -> bool:
+        """Whether a value lies within what is physically likely."""
+        return self.likely is None or self.likely[0] <= value <= self.likely[1]
 
     def coordinate(self, value: float) -> float:
         """A value scaled: 0 neutral, 1 typical."""

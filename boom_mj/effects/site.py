@@ -18,7 +18,7 @@ class Site:
         value: root mean square of what is commanded or logged there, or of the joint's force.
         span: of the joint's coordinate.
         speed: root mean square of the joint's speed.
-        inertia, damping, stiffness, armature: of the joint in the nominal model.
+        inertia, damping, stiffness, armature, friction: of the joint in the nominal model.
         mass: of the body.
         step: between samples, s.
     """
@@ -33,6 +33,7 @@ class Site:
     damping: float = field(default=0.0, compare=False)
     stiffness: float = field(default=0.0, compare=False)
     armature: float = field(default=0.0, compare=False)
+    friction: float = field(default=0.0, compare=False)
     mass: float = field(default=1.0, compare=False)
     step: float = field(default=1e-3, compare=False)
 

@@ -11,6 +11,9 @@ from boom_mj.machine.shapes import STIFFNESS
 
 ARMATURE = 1.0  # kg m^2, far below any link, so that a mass matrix without the drive's own stays regular
 SLIM = 1e-3  # armature of a series joint over the inertia behind it
+BRAKE = "friction"  # tendon JOINT/friction: the joint's friction behind play
+LEAST_YIELD = 1e-12  # m or rad
+LIGHT = 1e-9  # kg, kg m^2
 SEATS = ("payload", "tip", "attachment_site")  # sites where a payload is carried
 
 
@@ -68,12 +71,39 @@ def chain(spec: mujoco.MjSpec, link: str) -> list[mujoco.MjsJoint]:
 
 
 def add_friction(spec: mujoco.MjSpec, joint: str, force: float) -> None:
-    """Dry friction of a joint, N or N m, with a constraint so stiff that it creeps little."""
+    """Dry friction of a joint, N or N m, with a constraint so stiff that it creeps little; behind its play, if any."""
     if force:
+        if (brake := spec.tendon(f"{joint}/{BRAKE}")) is not None:
+            brake.springyield = max(brake.springyield + force / brake.stiffness[0], LEAST_YIELD)
+            return
         rubbing = spec.joint(joint)
         rubbing.frictionloss += force
         rubbing.solref_friction = (2 * spec.option.timestep, 1.0)
         rubbing.solimp_friction = (0.99, 0.999, 0.001, 0.5, 2.0)
+
+
+def move_friction_behind(spec: mujoco.MjSpec, joint: str, half_gap: float, stiffness: float) -> None:
+    """A joint's dry friction behind play (m or rad either way) and a spring (N/m or N m/rad)."""
+    rubbing, brake = spec.joint(joint), spec.add_tendon(name=f"{joint}/{BRAKE}")
+    brake.wrap_joint(joint, 1.0)
+    brake.stiffness[0], brake.springlength = stiffness, [-half_gap, half_gap]
+    brake.springyield = max(rubbing.frictionloss / stiffness, LEAST_YIELD)  # 0 would be elastic
+    rubbing.frictionloss = 0.0
+
+
+def add_relaxation(spec: mujoco.MjSpec, joint: mujoco.MjsJoint, share: float, time: float) -> None:
+    """A share of a joint's stiffness on a dashpot: a spring between the joint and a damped one that weighs nothing."""
+    name, stiffness = f"{joint.name}/relaxed", share * float(joint.stiffness[0])
+    dashpot = spec.worldbody.add_body(name=name, gravcomp=1.0)
+    dashpot.mass, dashpot.ipos, dashpot.inertia, dashpot.explicitinertial = LIGHT, np.zeros(3), np.full(3, LIGHT), True
+    follower = dashpot.add_joint(name=name, type=joint.type, axis=joint.axis, ref=joint.ref)
+    follower.damping[0] = stiffness * time
+    follower.armature = stiffness * (2 * spec.option.timestep) ** 2
+    between = spec.add_tendon(name=name)
+    between.wrap_joint(joint.name, 1.0)
+    between.wrap_joint(name, -1.0)
+    between.stiffness[0], between.springlength = stiffness, [0.0, 0.0]
+    joint.stiffness[0] -= stiffness
 
 
 def add_constant_force(spec: mujoco.MjSpec, joint: str, force: float) -> None:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from boom_mj.estimation.dataset import Dataset
 from boom_mj.estimation.intervals import TAIL
 
 Array = np.ndarray
@@ -48,3 +49,23 @@ def worse_by(windows: Array, better: Array, worse: Array) -> tuple[float, float]
     sums = np.bincount(windows, difference)
     sums = sums[np.bincount(windows) > 0]
     return float(difference.mean()), float(np.sqrt(np.sum((sums - sums.mean()) ** 2)) / len(difference))
+
+
+def log_squares(data: Dataset, residuals: Array) -> tuple[Array, Array]:
+    """Logarithms of held-out mean squares, by channel and window, (k, cells), and windows of the cells, (cells,).
+
+    Above the floor residuals (k, N) are the model's error, of another size in every channel and window. A Gaussian of
+    a size fitted in each has the logarithm as its score, so that the worst moments of a machine do not outvote all
+    others. The floor, 1, is the least that counts.
+    """
+    rows = data.held_out
+    windows = np.unique(data.windows[rows], return_inverse=True)[1]
+    names, cell = np.unique(data.channel_of[rows] * (windows.max() + 1) + windows, return_inverse=True)
+    squares = np.array([np.bincount(cell, residual[rows] ** 2) for residual in residuals]) / np.bincount(cell)
+    return np.log(np.maximum(squares, 1.0)), names % (windows.max() + 1)
+
+
+def mean_over(clusters: Array, values: Array) -> tuple[float, float]:
+    """Mean of values (n,), and its standard error over clusters, (n,) of int."""
+    sums = np.bincount(clusters, values - values.mean())[np.unique(clusters)]
+    return float(values.mean()), float(np.sqrt(np.sum(sums**2)) / len(values))

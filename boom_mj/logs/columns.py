@@ -1,4 +1,4 @@
-"""Any table of numbers by field: CSV (cells may be lists), MATLAB files (structures and arrays), MCAP and bags.
+"""Any table of numbers by field: CSV (cells may be lists), MATLAB, JSON, Parquet and C3D files, MCAP and bags.
 
 A field is a path: `qm`, `ScopeData.signals.values[2]`, `positions[0]`, and of bags and MCAP
 `/joint_states.position[0]`, whose time is `/joint_states.log_time`. A number in brackets counts columns from 0.
@@ -8,7 +8,7 @@ import csv
 import io
 import json
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +16,14 @@ import numpy as np
 
 from boom_mj.errors import LogError
 from boom_mj.files import whole_file
+from boom_mj.logs.c3d import read_c3d
 from boom_mj.logs.channel import Batch
 from boom_mj.logs.encodings import decoder_of
 from boom_mj.logs.formats import format_of, log_file
 from boom_mj.logs.formats.table import SUFFIXES, cells, lines, numbers
+from boom_mj.logs.json_table import read_json
 from boom_mj.logs.matlab import read_matlab
+from boom_mj.logs.parquet import read_parquet
 
 Array = np.ndarray
 FIELD = re.compile(r"^(?P<stem>.*?)(\[(?P<column>\d+)\])?$")
@@ -36,13 +39,10 @@ def read_columns(path: Path, fields: Iterable[str]) -> dict[str, Array]:
     path = log_file(Path(path))
     if not path.exists():
         raise LogError(f"{path} cannot be read: there is no such file")
-    name = path.name.lower()
-    if name.endswith(".mat"):
-        table: Mapping[str, Any] = read_matlab(path)
-        return {field: _within(path, table, field) for field in fields}
-    if name.endswith(SUFFIXES):
-        table = _csv(path)
-        return {field: _within(path, table, field) for field in fields}
+    for suffixes, read in TABLES.items():
+        if path.name.lower().endswith(suffixes):
+            table = read(path)
+            return {field: _within(path, table, field) for field in fields}
     return _messages(path, tuple(fields))
 
 
@@ -95,6 +95,15 @@ def _column(cells: list[str]) -> Any:
         except (ValueError, RecursionError):
             return cells
     return numbers(cells)
+
+
+TABLES: Mapping[tuple[str, ...], Callable[[Path], Mapping[str, Any]]] = {
+    (".mat",): read_matlab,
+    SUFFIXES: _csv,
+    (".json",): read_json,
+    (".parquet",): read_parquet,
+    (".c3d",): read_c3d,
+}
 
 
 def _messages(path: Path, fields: tuple[str, ...]) -> dict[str, Array]:

@@ -14,7 +14,7 @@ ARM = """
   <option timestep="0.002" integrator="implicitfast"/>
   <worldbody>
     <body name="upper" pos="0 0 1">
-      <joint name="shoulder" axis="0 1 0" damping="0.1" armature="0.01"/>
+      <joint name="shoulder" axis="0 1 0" damping="0.1" armature="0.01" frictionloss="0.2"/>
       <geom type="capsule" fromto="0 0 0 0.4 0 0" size="0.03" mass="1"/>
       <body name="fore" pos="0.4 0 0">
         <joint name="flex" axis="0 1 0" stiffness="60" damping="0.2"/>

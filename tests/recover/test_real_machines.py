@@ -8,7 +8,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from boom_mj.diagnosis import diagnose, document
@@ -23,6 +22,8 @@ LOGS = {
     "clamped_beam": "clamped_beam/beam_gravity_V2_a.csv.gz",
     "flexible_joint": "flexible_joint/scope_data_PRBS.mat",
     "so101": "so101/friction_gravity/state_motor.csv.gz",
+    "friction_damper": "friction_damper/sine_1Hz_25lb.csv",
+    "simple_pendulum": "simple_pendulum/energy_shaping.csv",
 }
 
 
@@ -38,19 +39,10 @@ def map_of(name: str) -> Path:
 
 
 @cache
-def answer(name: str, *held_out: str) -> dict[str, Any]:
-    system, data = load_mjcf([log(LOGS[name])], [log(other) for other in held_out], map_of(name))
+def answer(name: str, *held_out: str, more: tuple[str, ...] = ()) -> dict[str, Any]:
+    logs = [log(LOGS[name]), *(log(other) for other in more)]
+    system, data = load_mjcf(logs, [log(other) for other in held_out], map_of(name))
     return document(diagnose(Predictor(system, data)), [part.name for part in data.recordings])
-
-
-def causes(found: dict[str, Any]) -> list[dict[str, Any]]:
-    """All of the best explanation: those that are sure, and those that are suspected beside them."""
-    return [*found["effects"], *found["suspect"]]
-
-
-def sizes(found: dict[str, Any], name: str) -> dict[str, float]:
-    effects = [effect for effect in causes(found) if effect["id"] == name]
-    return {parameter: size["value"] for parameter, size in effects[0]["parameters"].items()} if effects else {}
 
 
 @pytest.mark.parametrize("name", LOGS)
@@ -67,53 +59,71 @@ def test_maps_fit_their_models_and_logs(name: str) -> None:
 
 @pytest.mark.slow
 def test_the_drive_has_the_friction_that_its_owners_found() -> None:
-    """Janot, Gautier, Brunot 2019 by their inverse model: 203.5 N s/m, 20.4 N, offset -3.2 N, mass 95.1 kg.
-
-    Viscous friction that differs between the directions stands for the offset at the speed of most of the log.
-    """
+    """Janot, Gautier, Brunot 2019: 167 and 240 N s/m by direction, 20 N dry; 2.6 % of the force is left."""
     found = answer("emps")
-    friction = {**sizes(found, "dry_and_viscous_friction"), **sizes(found, "directional_friction")}
-    damping = [friction.get(way, friction.get("damping", np.nan)) for way in ("forward", "backward")]
-    assert np.mean(damping) == pytest.approx(203.5, rel=0.1)
-    assert friction["force"] == pytest.approx(20.4, rel=0.1)
-    system, _ = load_mjcf([log(LOGS["emps"])], [], map_of("emps"))
-    (speed,) = (site.speed for site in system.sites() if site.location == {"joint": "slide"})
-    offset = sizes(found, "actuator_bias").get("offset", 0.0) + (damping[1] - damping[0]) * speed / 2
-    assert offset == pytest.approx(3.2, rel=0.2)  # against their friction's sign
-    assert found["gap"]["closure"] > 0.9
+    assert found["verdict"] == "partial"
+    friction = intervals(found, "directional_friction", joint="slide")
+    for name, published in (("forward", 167.0), ("backward", 240.0), ("force", 20.0)):
+        assert friction[name]["low"] < published < friction[name]["high"], name
+        assert friction[name]["value"] == pytest.approx(published, rel=0.06), name
+    assert found["gap"]["holdout"]["after"] * 0.2515 / 52.4 < 0.026  # noise of a block and rms of what is held out, N
+
+
+@pytest.mark.slow
+def test_six_joints_stick_at_rest_and_on_the_way() -> None:
+    """Friction of all of them in one answer, and at most half of the 29 that were left when three were named."""
+    found = answer("so101", "so101/step_response/state_motor.csv.gz")
+    rubbing = {effect["location"].get("joint") for effect in found["effects"] if effect["id"].endswith("friction")}
+    assert {"elbow", "pitch", "wrist_pitch"} <= rubbing
+    assert found["gap"]["holdout"]["after"] < 14.5
+
+
+@pytest.mark.slow
+def test_the_damper_has_play_and_elasticity_before_its_friction() -> None:
+    """By eye at reversals: 3 to 4 mm without force, about 6 kN/mm to and from it."""
+    found = answer("friction_damper", "friction_damper/sine_0.5Hz_25lb.csv")
+    play = intervals(found, "friction_behind_play", joint="slide")
+    assert 3e-3 < 2 * play["half_gap"]["value"] < 4e-3
+    assert play["stiffness"]["low"] < 6e6 < play["stiffness"]["high"]
+    assert found["gap"]["holdout"]["after"] < 0.45 * found["gap"]["holdout"]["before"]
+
+
+@pytest.mark.slow
+def test_of_the_pendulum_friction_alone_is_sure() -> None:
+    """Published, from a rig: 0.184 N m dry; what acts beside it the data do not tell."""
+    held_out = ("simple_pendulum/sac.csv", "simple_pendulum/direct_collocation.csv")
+    found = answer("simple_pendulum", *held_out, more=("simple_pendulum/ddp.csv",))
+    (effect,) = found["effects"]
+    assert effect["id"].endswith("friction") and effect["location"] == {"joint": "shaft"}
+    assert effect["parameters"]["force"]["low"] < 0.184 < effect["parameters"]["force"]["high"]
 
 
 @pytest.mark.slow
 def test_the_beam_is_as_stiff_as_its_owners_say_and_lacks_damping() -> None:
     """Their Young's modulus stands; another release, not learnt from, falls silent the same way."""
     found = answer("clamped_beam", "clamped_beam/beam_gravity_V2_b.csv.gz")
-    assert [effect["id"] for effect in found["effects"]] == ["link_damping"]
-    assert found["gap"]["closure"] > 0.9
+    damping = intervals(found, "link_damping", link="beam")["relaxation_time"]
+    assert 2e-3 < damping["low"] < damping["value"] < damping["high"] < 4e-3  # s
+    assert {effect["id"] for effect in found["effects"]} <= {"link_damping", "relaxing_stiffness", "link_stiffness"}
+    for effect in found["effects"]:
+        if effect["id"] == "link_stiffness":  # their Young's modulus
+            assert effect["parameters"]["factor"]["low"] < 1 < effect["parameters"]["factor"]["high"]
+    assert found["gap"]["holdout"]["after"] < 2
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(strict=True, reason="a gain of the motor in its place leaves less of the held-out gap, 1.4 for 1.7")
 def test_the_hub_has_the_friction_that_steady_speeds_tell() -> None:
     """`scope_data_deadzone_pos.mat`: 0.445 rad/s at 0.45 V, 1.628 rad/s at 1.1 V, so 0.21 V and 0.55 V s/rad."""
-    hub = sizes_at_hub(answer("flexible_joint"), "dry_and_viscous_friction")
-    assert hub, "no dry friction is named at the hub"
-    force, damping = hub["force"], hub["damping"]
-    assert force["low"] < 0.21 < force["high"]
-    assert damping["low"] < 0.55 - 0.87 < damping["high"]  # the nominal model has 0.87
+    steps, square = (f"flexible_joint/scope_data_{name}.mat" for name in ("deadzone_pos", "square"))
+    found = answer("flexible_joint", square, more=(steps,))
+    hub = intervals(found, "directional_friction", joint="hub")
+    assert hub["force"]["low"] < 0.21 < hub["force"]["high"]
+    for way in ("forward", "backward"):
+        assert hub[way]["low"] < 0.55 - 0.87 < hub[way]["high"]  # the nominal model has 0.87
 
 
-@pytest.mark.slow
-def test_the_hub_needs_the_voltage_that_steady_speeds_tell() -> None:
-    """The same log at 1 rad/s, about as fast as the hub is: dry and viscous friction and the motor's gain together."""
-    found = answer("flexible_joint")
-    named = [sizes_at_hub(found, kind) for kind in ("dry_and_viscous_friction", "viscous_joint_friction")]
-    more = sum(size["value"] for effect in named for size in effect.values())  # V, and V s/rad at 1 rad/s
-    gain = sizes(found, "actuator_gain").get("factor", 1.0)
-    assert (0.87 + more) / gain == pytest.approx(0.21 + 0.55, rel=0.1)  # nominally 0.87, which is 14 % too much
-    assert sizes(found, "sprung_inertia")["factor"] > 10
-    assert found["gap"]["closure"] > 0.9
-
-
-def sizes_at_hub(found: dict[str, Any], name: str) -> dict[str, Any]:
-    effects = [e for e in causes(found) if (e["id"], e["location"]) == (name, {"joint": "hub"})]
-    return effects[0]["parameters"] if effects else {}
+def intervals(found: dict[str, Any], name: str, **location: str) -> dict[str, Any]:
+    """Parameters of a named effect."""
+    here = [e["parameters"] for e in found["effects"] if e["id"] == name and e["location"] == location]
+    assert here, f"{name} at {location} is not named: {found['sentence']}"
+    return dict(here[0])

@@ -14,7 +14,11 @@ class ActuatorBias(ActuatorEffect):
 
     @classmethod
     def parameters(cls, site: Site) -> Mapping[str, Parameter]:
-        return {"offset": Parameter(site.unit, 0.0, -5 * site.value, 5 * site.value, 0.05 * site.value)}
+        size, likely = (
+            site.value,
+            (-0.5 * site.value, 0.5 * site.value),
+        )  # what is half of all that it does is no offset
+        return {"offset": Parameter(site.unit, 0.0, -5 * size, 5 * size, 0.05 * size, likely=likely)}
 
     def apply(self, time: Array, true: Array) -> Array:
         return true + self.values["offset"]

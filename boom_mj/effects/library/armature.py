@@ -20,7 +20,8 @@ class Armature(ModelEffect):
     @classmethod
     def parameters(cls, site: Site) -> Mapping[str, Parameter]:
         unit, size = "kg" if site.unit == "m" else "kg m^2", 0.1 * site.inertia
-        return {"inertia": Parameter(unit, 0.0, -site.armature, 200 * size, size)}
+        likely = (-site.armature / 2, 2 * site.inertia)  # drives are matched to what they move
+        return {"inertia": Parameter(unit, 0.0, -site.armature, 200 * size, size, likely=likely)}
 
     def edit(self, spec: mujoco.MjSpec, machine: Any) -> None:
         spec.joint(str(self.location["joint"])).armature += self.values["inertia"]

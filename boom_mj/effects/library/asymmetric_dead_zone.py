@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from boom_mj.effects import ActuatorEffect, Array, Parameter, Site
-from boom_mj.effects.library.dead_zone import SOFT
+from boom_mj.effects.library.dead_zone import FORCES, SOFT
 
 
 class AsymmetricDeadZone(ActuatorEffect):
@@ -19,7 +19,10 @@ class AsymmetricDeadZone(ActuatorEffect):
 
     @classmethod
     def parameters(cls, site: Site) -> Mapping[str, Parameter]:
-        width = Parameter(site.unit, 0.0, 0.0, 3 * site.value, 0.1 * site.value)
+        likely = (
+            (0.0, 0.05 * site.value) if site.unit in FORCES else None
+        )  # a force that is controlled has next to none
+        width = Parameter(site.unit, 0.0, 0.0, 3 * site.value, 0.1 * site.value, likely=likely)
         return {"forward": width, "backward": width}
 
     def apply(self, time: Array, true: Array) -> Array:

@@ -18,14 +18,14 @@ class AsymmetricFriction(ModelEffect):
     id = "asymmetric_friction"
     at = ("joint",)
     needs = frozenset({"mjcf"})
-    sizes = (0.3, 1.0, 3.0)
+    sizes = (0.3, 1.0, 3.0, 10.0)
     special_cases = ("coulomb_friction",)
     confused_with = ("coulomb_friction", "actuator_bias", "directional_friction", "asymmetric_dead_zone")
     separating_experiment = "motions both ways"
 
     @classmethod
     def parameters(cls, site: Site) -> Mapping[str, Parameter]:
-        knob = Parameter(site.force_unit, 0.0, 0.0, 20 * site.value, 0.1 * site.value)
+        knob = Parameter(site.force_unit, 0.0, -site.friction, 20 * site.value, 0.1 * site.value)
         return {"forward": knob, "backward": knob}
 
     def edit(self, spec: mujoco.MjSpec, machine: Any) -> None:

@@ -16,7 +16,7 @@ class Backlash(ModelEffect):
     at = ("joint",)
     needs = frozenset({"mjcf", "actuated"})
     sizes = (0.3, 1.0, 3.0)
-    confused_with = ("coulomb_friction", "series_compliance", "dead_zone")
+    confused_with = ("coulomb_friction", "series_compliance", "dead_zone", "friction_behind_play")
     separating_experiment = "reversals under small load"
 
     @classmethod

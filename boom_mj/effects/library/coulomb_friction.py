@@ -18,7 +18,7 @@ class CoulombFriction(ModelEffect):
     id = "coulomb_friction"
     at = ("joint",)
     needs = frozenset({"mjcf"})
-    sizes = (0.3, 1.0, 3.0)
+    sizes = (0.3, 1.0, 3.0, 10.0)
     confused_with = (
         "viscous_joint_friction",
         "load_friction",
@@ -28,12 +28,13 @@ class CoulombFriction(ModelEffect):
         "dry_and_viscous_friction",
         "link_damping",
         "stribeck_friction",
+        "friction_behind_play",
     )
     separating_experiment = "slow and fast motions"
 
     @classmethod
     def parameters(cls, site: Site) -> Mapping[str, Parameter]:
-        return {"force": Parameter(site.force_unit, 0.0, 0.0, 20 * site.value, 0.1 * site.value)}
+        return {"force": Parameter(site.force_unit, 0.0, -site.friction, 20 * site.value, 0.1 * site.value)}
 
     def edit(self, spec: mujoco.MjSpec, machine: Any) -> None:
         add_friction(spec, str(self.location["joint"]), self.values["force"])

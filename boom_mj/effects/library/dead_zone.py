@@ -6,6 +6,7 @@ import numpy as np
 
 from boom_mj.effects import ActuatorEffect, Array, Parameter, Site
 
+FORCES = ("N", "N m")  # units of commands that some inner loop makes come true
 SOFT = 0.05  # of the rms of what acts, over which the jump of the inverse is smoothed
 
 
@@ -19,7 +20,10 @@ class DeadZone(ActuatorEffect):
 
     @classmethod
     def parameters(cls, site: Site) -> Mapping[str, Parameter]:
-        return {"width": Parameter(site.unit, 0.0, 0.0, 3 * site.value, 0.1 * site.value)}
+        likely = (
+            (0.0, 0.05 * site.value) if site.unit in FORCES else None
+        )  # a force that is controlled has next to none
+        return {"width": Parameter(site.unit, 0.0, 0.0, 3 * site.value, 0.1 * site.value, likely=likely)}
 
     def apply(self, time: Array, true: Array) -> Array:
         return np.sign(true) * np.maximum(np.abs(true) - self.values["width"], 0.0)

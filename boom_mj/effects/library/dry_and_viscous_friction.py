@@ -35,7 +35,7 @@ class DryAndViscousFriction(ModelEffect):
         size = max(0.1 * site.value / site.speed, 0.1 * site.damping)
         unit = site.force_unit + f" s/{site.unit}"
         return {
-            "force": Parameter(site.force_unit, 0.0, 0.0, 20 * site.value, 0.1 * site.value),
+            "force": Parameter(site.force_unit, 0.0, -site.friction, 20 * site.value, 0.1 * site.value),
             "damping": Parameter(unit, 0.0, -site.damping, 200 * size, size),
         }
 
@@ -51,5 +51,5 @@ class DryAndViscousFriction(ModelEffect):
                 {"force": size * cls.parameters(site)["force"].typical},
                 {"damping": cls.parameters(site)["damping"].typical},
             ]
-            for size in (1.0, 3.0)
+            for size in (1.0, 3.0, 10.0)
         ]

@@ -19,7 +19,7 @@ class GravityDirection(ModelEffect):
 
     @classmethod
     def parameters(cls, site: Site) -> Mapping[str, Parameter]:
-        tilt = Parameter("rad", 0.0, -0.1, 0.1, 0.02)
+        tilt = Parameter("rad", 0.0, -0.1, 0.1, 0.02, likely=(-0.05, 0.05))  # 3 deg are seen
         return {"roll": tilt, "pitch": tilt}
 
     def edit(self, spec: mujoco.MjSpec, machine: Any) -> None:

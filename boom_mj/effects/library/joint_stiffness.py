@@ -14,7 +14,7 @@ class JointStiffness(ModelEffect):
     id = "joint_stiffness"
     at = ("joint",)
     needs = frozenset({"mjcf"})
-    confused_with = ("body_mass", "gravity_direction", "sensor_scale")
+    confused_with = ("body_mass", "gravity_direction", "sensor_scale", "relaxing_stiffness")
     separating_experiment = "free vibration, and a known static load"
 
     @classmethod

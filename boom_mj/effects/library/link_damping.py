@@ -15,7 +15,13 @@ class LinkDamping(ModelEffect):
     id = "link_damping"
     at = ("link",)
     needs = frozenset({"mjcf"})
-    confused_with = ("viscous_joint_friction", "coulomb_friction", "quadratic_damping", "second_order_low_pass")
+    confused_with = (
+        "viscous_joint_friction",
+        "coulomb_friction",
+        "quadratic_damping",
+        "second_order_low_pass",
+        "relaxing_stiffness",
+    )
     separating_experiment = "free vibration of several sizes"
 
     @classmethod

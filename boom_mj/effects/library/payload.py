@@ -15,7 +15,7 @@ class Payload(ModelEffect):
     id = "payload"
     at = ("body",)
     needs = frozenset({"mjcf", "leaf"})
-    confused_with = ("body_mass", "armature", "link_density", "link_stiffness")
+    confused_with = ("body_mass", "armature", "link_density", "link_stiffness", "relaxing_stiffness")
     separating_experiment = "static forces in several poses"
 
     @classmethod

@@ -15,7 +15,7 @@ class SeriesCompliance(ModelEffect):
     id = "series_compliance"
     at = ("joint",)
     needs = frozenset({"mjcf", "actuated"})
-    confused_with = ("backlash", "armature")
+    confused_with = ("backlash", "armature", "friction_behind_play")
     separating_experiment = "fast accelerations"
 
     @classmethod

@@ -32,6 +32,7 @@ class ChannelEntry(BaseModel):
         unit: of the result.
         relative: what counts is the difference to the value when a stretch begins.
         limit: the logged size (before scale and offset) is cut there, as the machine's amplifier does.
+        wrap: period by which what is logged jumps, as a potentiometer's does after a turn; jumps are undone.
         noise: standard deviation of a sample in SI; at least what the log itself shows counts.
         zero: standard deviation of a zero offset that is nobody's fault, in SI.
     """
@@ -52,6 +53,7 @@ class ChannelEntry(BaseModel):
     unit: str = ""
     relative: bool = False
     limit: Positive | None = None
+    wrap: Positive | None = None
     noise: NonNegative = 0.0
     zero: NonNegative = 0.0
 
@@ -107,6 +109,23 @@ class Release(BaseModel):
     moves: Positive
 
 
+class LogEntry(BaseModel):
+    """What is known of one log.
+
+    Attributes:
+        file: its name, or the end of its path, such as `loaded/state.csv`.
+        start, stop: s, instead of the map's.
+        set: numbers of the MJCF file in this log: a load that was told, another gain; see `with_settings`.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    file: str
+    start: NonNegative | None = None
+    stop: Positive | None = None
+    set: Mapping[str, FiniteFloat | tuple[FiniteFloat, ...]] = {}
+
+
 class ChannelMap(BaseModel):
     """A machine's channels and how its logs are cut.
 
@@ -125,6 +144,7 @@ class ChannelMap(BaseModel):
         independent: beyond which residuals count as independent, s.
         train: share of a log, from its start, to learn from where no other logs are held out.
         causes: most effects that an explanation may have.
+        log: what is known of single logs.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -145,6 +165,7 @@ class ChannelMap(BaseModel):
     train: float = Field(default=0.6, gt=0, lt=1)
     causes: int = Field(default=4, ge=1, le=8)
     channel: tuple[ChannelEntry, ...]
+    log: tuple[LogEntry, ...] = ()
 
     @model_validator(mode="after")
     def _fits(self) -> Self:
@@ -156,6 +177,12 @@ class ChannelMap(BaseModel):
         if self.settle >= self.window:
             raise ValueError(f"settle = {self.settle} s leaves nothing of window = {self.window} s")
         return self
+
+    def of_log(self, path: Path | str) -> "LogEntry":
+        """What is known of a log; an entry without anything where nothing is."""
+        parts = Path(path).parts
+        entries = (entry for entry in self.log if parts[-len(Path(entry.file).parts) :] == Path(entry.file).parts)
+        return next(entries, LogEntry(file=Path(path).name))
 
     def role(self, role: Role) -> tuple[ChannelEntry, ...]:
         """The channels of a role."""
@@ -200,7 +227,8 @@ def _sentence(item: Any) -> str:
     if kind == "missing":
         return f"{place} is missing"
     if kind == "extra_forbidden":
-        kinds = ChannelEntry if place.startswith("channel.") else ChannelMap
+        of_tables: dict[str, type[BaseModel]] = {"channel": ChannelEntry, "log": LogEntry}
+        kinds = of_tables.get(place.partition(".")[0] if "." in place else "", ChannelMap)
         return f"{place} is an unknown key; known are {', '.join(kinds.model_fields)}"
     message = item["msg"].removeprefix("Value error, ")
     return f"{place} = {shown(item['input'])}: {message}" if place and kind != "value_error" else message

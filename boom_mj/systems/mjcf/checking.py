@@ -4,6 +4,7 @@ import mujoco
 
 from boom_mj.errors import ChannelMapError
 from boom_mj.systems.mjcf.channel_map import ChannelMap
+from boom_mj.systems.mjcf.settings import with_settings
 
 SCALAR = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 
@@ -14,6 +15,8 @@ def check(spec: mujoco.MjSpec, channels: ChannelMap) -> None:
     Raises:
         ChannelMapError: the channel, the name, and the names that there are.
     """
+    for entry in channels.log:
+        with_settings(spec, entry.set)
     model = spec.copy().compile()
     known = {
         "joint": [model.joint(k).name for k in range(model.njnt) if model.jnt_type[k] in SCALAR],

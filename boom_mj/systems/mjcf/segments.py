@@ -51,8 +51,10 @@ def stretches_of(path: Path, channels: ChannelMap) -> list[Recording]:
     if channels.driven:
         for entry in channels.role("compare"):
             values[entry.name] = smoothed(time, values[entry.name], channels.compared_cutoff)
-    end = min(time[-1] - margin, channels.stop if channels.stop is not None else np.inf)
-    first = max(time[0] + margin, channels.start)
+    known = channels.of_log(path)
+    stop = channels.stop if known.stop is None else known.stop
+    end = min(time[-1] - margin, stop if stop is not None else np.inf)
+    first = max(time[0] + margin, channels.start if known.start is None else known.start)
     if channels.release is not None:
         first = max(first, released(time, table[channels.release.field], channels.release.moves))
     for entry in channels.channel:
@@ -65,9 +67,9 @@ def stretches_of(path: Path, channels: ChannelMap) -> list[Recording]:
         raise LogError(f"{path} lasts {time[-1] - time[0]:.2f} s: too short for a window of {channels.window} s")
     found = []
     for begin in begins:
-        stop = min(begin + channels.window, end)
-        inside = (time >= begin - margin - 1e-9) & (time < stop + margin - 1e-9)
-        late = (time >= begin + channels.settle - 1e-9) & (time < stop - 1e-9)
+        until = min(begin + channels.window, end)
+        inside = (time >= begin - margin - 1e-9) & (time < until + margin - 1e-9)
+        late = (time >= begin + channels.settle - 1e-9) & (time < until - 1e-9)
         signals = {"start": Signal(np.array([begin - margin]), np.zeros((1, 1)), ("start",), "1", "")}
         for entry in channels.channel:
             rows = late if entry.role == "compare" else inside
@@ -80,7 +82,7 @@ def stretches_of(path: Path, channels: ChannelMap) -> list[Recording]:
                 signals[f"motion/{entry.joint}"] = Signal(
                     time[inside], smooth[entry.name][inside, None], (entry.joint,), entry.unit or "1", entry.place
                 )
-        name = f"{path.name} {begin:g}-{stop:g} s"
+        name = f"{path.name} {begin:g}-{until:g} s"
         found.append(Recording(name, channels.name, str(path), signals))
     return found
 
@@ -144,6 +146,8 @@ def _table(path: Path, channels: ChannelMap) -> dict[str, Array]:
 
 def _value(entry: ChannelEntry, table: dict[str, Array]) -> Array:
     logged = table[entry.field] if entry.field else sum(factor * table[field] for field, factor in entry.terms.items())
+    if entry.wrap is not None:
+        logged = np.unwrap(logged, period=entry.wrap)
     if entry.limit is not None:
         logged = np.clip(logged, -entry.limit, entry.limit)
     return entry.scale * np.asarray(logged) + entry.offset

@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 
 from boom_mj.effects import Site
+from boom_mj.effects.spec_edits import BRAKE
 from boom_mj.recording import Recording
 from boom_mj.systems.mjcf.channel_map import ChannelMap
 from boom_mj.systems.mjcf.rollout import Run, joint_of
@@ -77,6 +78,7 @@ def _joints(
             "measured": name in measured,
             "actuated": name in actuated,
             "sprung": bool(stiffness),
+            "rubbing": bool(model.dof_frictionloss[dof]),
             "outermost": model.body_jntnum[_behind(model, int(joint.bodyid[0]))].sum() == 1,
         }
         yield Site(
@@ -90,7 +92,15 @@ def _joints(
             damping=damping,
             stiffness=stiffness,
             armature=float(model.dof_armature[dof]),
+            friction=_friction(model, name),
         )
+
+
+def _friction(model: mujoco.MjModel, joint: str) -> float:
+    """Dry friction of a joint, that behind its play too."""
+    loss = float(model.dof_frictionloss[model.joint(joint).dofadr[0]])
+    brakes = [k for k in range(model.ntendon) if model.tendon(k).name == f"{joint}/{BRAKE}"]
+    return loss + sum(float(np.ravel(model.tendon_stiffness[k])[0] * model.tendon_springyield[k]) for k in brakes)
 
 
 def _behind(model: mujoco.MjModel, body: int) -> list[int]:

@@ -15,6 +15,7 @@ from boom_mj.systems.mjcf.checking import check
 from boom_mj.systems.mjcf.readout import inputs_of, pushed, said
 from boom_mj.systems.mjcf.rollout import Run, drivable, simulate
 from boom_mj.systems.mjcf.segments import smoothed
+from boom_mj.systems.mjcf.settings import with_settings
 from boom_mj.systems.mjcf.sites import sites_of
 from boom_mj.systems.system import (
     ChannelPlace,
@@ -133,10 +134,16 @@ class MjcfSystem:
 
     def run(self, hypothesis: Hypothesis, level: Level, log: Recording) -> Run:
         """A stretch under effects; those of compared channels are left to `observe`."""
-        model, line = self._model(hypothesis, level), self.timeline(log)
+        model, line = self._model(hypothesis, level, log.description), self.timeline(log)
         step = model.opt.timestep
         time = step * np.arange(int(np.ceil(line.duration_s / step - 1e-9)) + 1)
-        return simulate(model, inputs_of(self.spec, self.channels, hypothesis, log, line.start_s, time))
+        spec = self._spec(log.description)
+        return simulate(model, inputs_of(spec, self.channels, hypothesis, log, line.start_s, time))
+
+    def _spec(self, log: str) -> mujoco.MjSpec:
+        """The nominal model as it is in a log at a path."""
+        settings = self.channels.of_log(log).set
+        return with_settings(self.spec, settings) if settings else self.spec
 
     def _phases(self, coordinates: Callable[[Array], Array], duration: float) -> Array:
         """Hold, move, reversal, by the measured joints."""
@@ -152,16 +159,17 @@ class MjcfSystem:
         """Two of three windows of independence: a lone recording may have all that happens in its beginning."""
         return (time // self.channels.independent).astype(int) % 3 != 2
 
-    def _model(self, hypothesis: Hypothesis, level: Level) -> mujoco.MjModel:
-        """The compiled model of a hypothesis; the last few are kept."""
+    def _model(self, hypothesis: Hypothesis, level: Level, log: str = "") -> mujoco.MjModel:
+        """The compiled model of a hypothesis, as it is in a log at a path; the last few are kept."""
+        settings = self.channels.of_log(log).set
         editing = tuple(e for e in hypothesis if isinstance(e, ModelEffect))
         hands = pushed(hypothesis, self.channels)
-        key = (frozenset(editing), hands, level)
+        key = (frozenset(editing), hands, level, tuple(settings.items()))
         with self._compiling:
             if key not in self._models:
                 while len(self._models) >= KEPT:
                     self._models.pop(next(iter(self._models)))
-                spec = self.spec.copy()
+                spec = self._spec(log).copy()
                 spec.option.timestep *= level.step
                 for effect in editing:
                     try:
