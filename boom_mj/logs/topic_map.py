@@ -1,6 +1,6 @@
 """Topic map: which topic and field of a log feeds which signal, with which names, signs, offsets and unit.
 
-A signal's channel is `sign * logged + offset` (both in `unit`), turned into SI. docs/logs.md explains the file.
+A signal's channel is `sign * logged + offset` (both in `unit`), turned into SI. docs/how-to/logs.md explains the file.
 """
 
 from dataclasses import dataclass

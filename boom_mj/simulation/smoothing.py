@@ -12,7 +12,7 @@ smoother would find it. How large s is differs along the path and is estimated f
 line through a window of samples has a slope within its own noise, and a cubic through the whole rest finds no drift, as
 it does where a sensor's error creeps while the joint turns - every sample is the mean of the rest.
 
-Chosen by figures among smoothers that know less: docs/smoothing.md.
+Chosen by figures among smoothers that know less: docs/explanation/smoothing.md.
 """
 
 import numpy as np

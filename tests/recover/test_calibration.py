@@ -130,5 +130,5 @@ def test_a_machine_of_another_engine() -> None:
         for group in shown.twins[k][1].groups
         if group.ratio > 1.5
     }
-    # the 0.1 s in which the rope parts, and viscous friction that this machine lacks: docs/calibration.md
+    # the 0.1 s in which the rope parts, and viscous friction that this machine lacks: docs/results/calibration.md
     assert over <= {("release_bow_horizontal", "imu/link5/specific_force/z"), ("fold_in", "cylinder3")}

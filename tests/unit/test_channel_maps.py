@@ -10,6 +10,7 @@ from boom_mj.errors import ChannelMapError, LogError
 from boom_mj.logs.columns import read_columns
 from boom_mj.systems.mjcf import load_mjcf
 from boom_mj.systems.mjcf.channel_map import parse_channel_map
+from boom_mj.systems.mjcf.model_file import load_model
 
 MODEL = """<mujoco><worldbody><body><joint name="swing"/><geom size="0.1" mass="1" pos="0 0 -1"/></body></worldbody>
 <actuator><motor name="motor" joint="swing"/></actuator></mujoco>"""
@@ -88,3 +89,12 @@ def test_columns_of_tables_and_matlab_files(tmp_path: Path) -> None:
     (tmp_path / "b.mat").write_bytes(b"nothing of the kind" * 20)
     with pytest.raises(LogError, match="no MATLAB file"):
         read_columns(tmp_path / "b.mat", ["x"])
+
+
+def test_bodies_and_joints_without_a_name_get_their_numbers(tmp_path: Path) -> None:
+    link = "<joint/><geom size='.1'/>"
+    text = f"<mujoco><worldbody><body>{link}<body name='hand'>{link}</body></body></worldbody></mujoco>"
+    (tmp_path / "arm.xml").write_text(text)
+    model = load_model(tmp_path / "arm.xml").compile()
+    assert [model.body(k).name for k in range(model.nbody)] == ["world", "body 1", "hand"]
+    assert [model.joint(k).name for k in range(model.njnt)] == ["joint 0", "joint 1"]

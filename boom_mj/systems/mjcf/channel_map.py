@@ -1,6 +1,6 @@
 """Channel map: which field of a log is which joint, actuator or sensor of an MJCF file, and how logs are cut.
 
-A channel's value in SI is `scale * logged + offset`; `docs/any_machine.md` explains the file.
+A channel's value in SI is `scale * logged + offset`; docs/how-to/own_machine.md explains the file.
 """
 
 from collections.abc import Mapping

@@ -21,7 +21,7 @@ FOLDERS = {"mesh": "meshdir", "hfield": "meshdir", "skin": "meshdir", "texture":
 
 
 def load_model(path: Path) -> mujoco.MjSpec:
-    """A model that compiles.
+    """A model that compiles; bodies and joints without a name get one by their number, such as "body 3".
 
     Raises:
         InputError: no MJCF file; one that names files outside its folder, or is huge; one that MuJoCo does not take.
@@ -34,6 +34,9 @@ def load_model(path: Path) -> mujoco.MjSpec:
         raise InputError(f"{path} is no MJCF model: {error}") from error
     if not 0 < freedom <= MOST_FREEDOM:
         raise InputError(f"{path} has {freedom} degrees of freedom; a machine has 1 to {MOST_FREEDOM}")
+    for kind, elements in (("body", spec.bodies), ("joint", spec.joints)):
+        for number, element in enumerate(elements):
+            element.name = element.name or f"{kind} {number}"
     return spec
 
 
