@@ -114,6 +114,7 @@ def test_quiet_leaves_results_and_errors(tmp_path: Path, place: int) -> None:
     assert "there is no such log" in missing.stderr and "--wrong" in wrong.stderr
 
 
-def test_completion_is_there_for_the_shell() -> None:
+def test_completion_is_there_for_the_shell(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION", "1")  # there may be none around the tests
     script = boom("--show-completion", "bash")
     assert script.returncode == 0 and "COMPLETE" in script.stdout
