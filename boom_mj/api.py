@@ -110,7 +110,12 @@ class Answer:
 
     @cached_property
     def corrected(self) -> Machine:
-        """The machine with the best explanation's effects and the nuisances that were estimated along."""
+        """The machine with the effects of the best explanation."""
+        return with_effects(self.machine, diagnosis.causes(self.found))
+
+    @cached_property
+    def as_built(self) -> Machine:
+        """The corrected machine with its tolerances as they were estimated along, too: what was recorded."""
         return with_effects(self.machine, diagnosis.explanation(self.found))
 
     def to_html(self, path: Path | str) -> None:

@@ -117,8 +117,12 @@ def diagnose(
     as_json: Annotated[str | None, typer.Option("--json", metavar="FILE", help="Answer as JSON; - for stdout.")] = None,
     html: Annotated[Path | None, typer.Option(metavar="FILE", help="Answer as a page with pictures.")] = None,
     output: Annotated[
-        Path | None, typer.Option("-o", metavar="CORRECTED.toml", help="Machine file with the effects in it.")
+        Path | None,
+        typer.Option("-o", metavar="CORRECTED.toml", help="Machine file with the effects of the answer in it."),
     ] = None,
+    tolerances: Annotated[
+        bool, typer.Option("--as-built", help="Write the tolerances that were estimated along into -o, too.")
+    ] = False,
     predictions: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Nominal and corrected simulation of every log, as MCAP; as CSV with --map."),
@@ -154,7 +158,7 @@ def diagnose(
 
     Example: python -m boom_mj gap diagnose a.mcap b.mcap --holdout c.mcap --html gap.html -o corrected.toml
     """
-    from boom_mj.diagnosis import Diagnosis, document, explanation
+    from boom_mj.diagnosis import Diagnosis, causes, document, estimated_nuisances
     from boom_mj.diagnosis import diagnose as find
     from boom_mj.diagnosis.clock import Clock
     from boom_mj.diagnosis.healthy import as_built
@@ -172,6 +176,8 @@ def diagnose(
     for path, suffix in ((html, ".html"), (output, ".xml" if channels else ".toml"), (table, None)):
         if path is not None:
             output_path(path, suffix)
+    if tolerances and output is None:
+        raise InputError("--as-built says what -o FILE shall hold; name the file with -o")
     if predictions is not None:
         output_folder(predictions)
     for name in without or ():
@@ -222,7 +228,7 @@ def diagnose(
     if table is not None:
         write_text(table, text)
     if output is not None and isinstance(system, Corrects):
-        write_text(output, system.corrected(explanation(found)))
+        write_text(output, system.corrected(causes(found), estimated_nuisances(found) if tolerances else ()))
     if predictions is not None:
         with locked(predictions):
             _write_predictions(found, predictions, paths if channels else list(map(Path, names)))

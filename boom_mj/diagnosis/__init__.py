@@ -3,6 +3,7 @@
 from boom_mj.diagnosis.answer import document as document
 from boom_mj.diagnosis.diagnose import Diagnosis as Diagnosis
 from boom_mj.diagnosis.diagnose import diagnose as diagnose
+from boom_mj.diagnosis.predictions import causes as causes
 from boom_mj.diagnosis.predictions import estimated_nuisances as estimated_nuisances
 from boom_mj.diagnosis.predictions import explanation as explanation
 from boom_mj.diagnosis.predictions import simulated_recordings as simulated_recordings

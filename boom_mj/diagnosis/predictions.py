@@ -17,9 +17,14 @@ def estimated_nuisances(found: Diagnosis) -> tuple[Effect, ...]:
     return of_size([t.conditional_on(effects) for t in model.nuisances], estimate)
 
 
+def causes(found: Diagnosis) -> tuple[Effect, ...]:
+    """The effects of the best explanation; none where there is none."""
+    return found.best.fit.effects if found.best else ()
+
+
 def explanation(found: Diagnosis) -> tuple[Effect, ...]:
     """Nuisances as they were estimated, and the effects of the best explanation."""
-    return (*estimated_nuisances(found), *(found.best.fit.effects if found.best else ()))
+    return (*estimated_nuisances(found), *causes(found))
 
 
 def simulated_recordings(found: Diagnosis, corrected: bool) -> list[dict[str, Array]]:

@@ -47,7 +47,10 @@ def sentence(found: Diagnosis) -> str:
     named = [found.verdict != "partial" or sure for sure in found.sure]
     causes = [_in_words(entry) for entry, so in zip(described(found), named) if so]
     cause, close = " and ".join(causes), "closes" if len(causes) == 1 else "close"
-    text = f"{cause[0].upper()}{cause[1:]} {close} {found.closure.value:.0%} of the held-out gap of {before:.1f}"
+    together = "" if all(named) else ", with what acts beside,"
+    text = (
+        f"{cause[0].upper()}{cause[1:]}{together} {close} {found.closure.value:.0%} of the held-out gap of {before:.1f}"
+    )
     if found.ties and found.verdict != "partial":
         text += ", and so would " + " or ".join(j.label for j in found.ties)
         if found.next_experiment:

@@ -8,7 +8,7 @@ import math
 from functools import cached_property
 from typing import Annotated, Literal, Protocol, Self
 
-from pydantic import AfterValidator, ConfigDict, Field, FiniteFloat, model_validator
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, FiniteFloat, model_validator
 
 from boom_mj.machine.fields import Frozen, NonNegative, Number, Pair, Point2, Positive
 from boom_mj.machine.rig import Camera, Targets
@@ -200,6 +200,21 @@ class EffectEntry(Frozen):
     id: str
 
 
+def _at_one_joint(entries: object) -> object:
+    """Zero offsets of files of version 0.1, `joint1 = 0.002` of all joints in one entry, as one entry each."""
+    if not isinstance(entries, list | tuple):
+        return entries
+    found = []
+    for entry in entries:
+        joints = {f"joint{k}": k for k in range(1, 6)}
+        if isinstance(entry, dict) and entry.get("id") == "joint_zero_offset" and joints.keys() & entry.keys():
+            rest = {key: value for key, value in entry.items() if key not in joints}
+            found += [{**rest, "joint": k, "offset": entry[key]} for key, k in joints.items() if key in entry]
+        else:
+            found.append(entry)
+    return found
+
+
 class Sensors(Frozen):
     rates_hz: Rates
     noise: Noise
@@ -249,7 +264,7 @@ class Machine(Frozen):
     end_hose: EndHose
     delivery_pipe: DeliveryPipe
     sensors: Sensors
-    effect: tuple[EffectEntry, ...] = ()
+    effect: Annotated[tuple[EffectEntry, ...], BeforeValidator(_at_one_joint)] = ()
     camera: tuple[Camera, ...] = ()
     targets: Targets = Targets()
 

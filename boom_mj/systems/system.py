@@ -198,8 +198,8 @@ class Designs(Protocol):
 class Corrects(Protocol):
     """A system whose file can hold effects."""
 
-    def corrected(self, hypothesis: Hypothesis) -> str:
-        """The text of its file with effects in it."""
+    def corrected(self, causes: Hypothesis, tolerances: Hypothesis = ()) -> str:
+        """The text of its file with effects in it: those of an explanation, and nuisances as they were estimated."""
 
 
 @runtime_checkable

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from boom_mj.diagnosis import Diagnosis, diagnose, document, explanation
+from boom_mj.diagnosis import Diagnosis, causes, diagnose, document, estimated_nuisances, explanation
 from boom_mj.diagnosis.candidate import Candidate
 from boom_mj.diagnosis.fitting import fit, grid_starts
 from boom_mj.diagnosis.linearisation import linearise
@@ -68,10 +68,11 @@ def test_a_payload_comes_back() -> None:
     mass = effect["parameters"]["mass"]
     assert mass["value"] == pytest.approx(45, rel=0.03) and mass["low"] < 45 < mass["high"]
     assert answer["gap"]["closure"] > 0.9
-    corrected = parse_machine(SYSTEM.corrected(explanation(found)))
+    corrected = parse_machine(SYSTEM.corrected(causes(found), estimated_nuisances(found)))
     ids = [entry.id for entry in corrected.effect]
     assert (ids[0], ids[-1], ids.count("tip_payload")) == ("joint_zero_offset", "tip_payload", 1)
     assert with_effects(BOOM, explanation(found)) == corrected
+    assert [entry.id for entry in parse_machine(SYSTEM.corrected(causes(found))).effect] == ["tip_payload"]
     offsets = {e.model_extra["joint"]: e.model_extra["offset"] for e in corrected.effect if e.id == "joint_zero_offset"}
     assert offsets.keys() == {1, 2, 3, 4, 5} and offsets[2] == pytest.approx(-0.004, abs=3e-4)
 

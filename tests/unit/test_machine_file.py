@@ -66,3 +66,11 @@ def test_a_cylinder_without_a_moment_arm_is_named() -> None:
     machine = parse_machine(TEXT.replace("rocker_length = 0.80", "rocker_length = 1e15"))
     with pytest.raises(MachineFileError, match=r"boom36: cylinder3 has no moment arm at joint3 = -35\.00 deg"):
         cylinder_forces(machine, np.radians([[0, 60, -35, 0, 0]]), np.ones((1, 5)))
+
+
+def test_zero_offsets_of_version_0_1_are_one_entry_each() -> None:
+    old = '\n[[effect]]\nid = "joint_zero_offset"\njoint1 = 0.002\njoint3 = -0.001\n'
+    assert [entry.model_dump() for entry in parse_machine(TEXT + old).effect] == [
+        {"id": "joint_zero_offset", "joint": 1, "offset": 0.002},
+        {"id": "joint_zero_offset", "joint": 3, "offset": -0.001},
+    ]

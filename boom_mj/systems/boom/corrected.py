@@ -8,9 +8,12 @@ from boom_mj.machine import EffectEntry, Machine
 from boom_mj.systems.system import Hypothesis
 
 
-def with_effects_text(machine_text: str, hypothesis: Hypothesis) -> str:
-    """A machine file's text with effects added."""
-    return machine_text.rstrip("\n") + "\n" + "".join(f"\n{_toml(_entry(effect))}" for effect in hypothesis)
+def with_effects_text(machine_text: str, causes: Hypothesis, tolerances: Hypothesis = ()) -> str:
+    """A machine file's text with effects added, each under a comment that says why it is there."""
+    text = machine_text.rstrip("\n") + "\n"
+    for why, effects in (("tolerance, as built: estimated", tolerances), ("cause: named by the diagnosis", causes)):
+        text += "".join(f"\n# {why}\n{_toml(_entry(effect))}" for effect in effects)
+    return text
 
 
 def with_effects(machine: Machine, hypothesis: Hypothesis) -> Machine:

@@ -121,10 +121,10 @@ class MjcfSystem:
         direction = "xyz"[entry.component] if vector else ""
         return ChannelPlace(signal, entry.what, entry.place, direction, signal, f"{entry.what}, {entry.place}")
 
-    def corrected(self, hypothesis: Hypothesis) -> str:
+    def corrected(self, causes: Hypothesis, tolerances: Hypothesis = ()) -> str:
         """The MJCF text with effects in it; those that MJCF does not hold stand in comments."""
         spec, others = self.spec.copy(), []
-        for effect in hypothesis:
+        for effect in (*tolerances, *causes):
             if isinstance(effect, ModelEffect):
                 effect.edit(spec, None)
             else:
