@@ -113,7 +113,7 @@ def test_dry_friction_comes_back_and_not_as_damping() -> None:
     assert force["value"] == pytest.approx(0.3, rel=0.05) and force["low"] < 0.3 < force["high"]
 
 
-@pytest.mark.xfail(strict=True, reason="named as part of it: the best substitute is sure where nothing else does as well")
+@pytest.mark.xfail(strict=True, reason="the best substitute is sure: nothing else does as well")
 def test_dry_friction_that_is_withheld_is_no_damping() -> None:
     dry = ("coulomb_friction", "dry_and_viscous_friction", "asymmetric_friction", "stribeck_friction", "load_friction")
     kin = (*dry, "directional_friction", "dead_zone", "asymmetric_dead_zone", "backlash")
