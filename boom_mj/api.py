@@ -115,7 +115,7 @@ class Answer:
 
     @cached_property
     def as_built(self) -> Machine:
-        """The corrected machine with its tolerances as they were estimated along, too: what was recorded."""
+        """The corrected machine with its nuisances as they were estimated along, too: what was recorded."""
         return with_effects(self.machine, diagnosis.explanation(self.found))
 
     def to_html(self, path: Path | str) -> None:

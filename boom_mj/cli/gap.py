@@ -120,8 +120,8 @@ def diagnose(
         Path | None,
         typer.Option("-o", metavar="CORRECTED.toml", help="Machine file with the effects of the answer in it."),
     ] = None,
-    tolerances: Annotated[
-        bool, typer.Option("--as-built", help="Write the tolerances that were estimated along into -o, too.")
+    nuisances: Annotated[
+        bool, typer.Option("--as-built", help="Write the nuisances that were estimated along into -o, too.")
     ] = False,
     predictions: Annotated[
         Path | None,
@@ -176,7 +176,7 @@ def diagnose(
     for path, suffix in ((html, ".html"), (output, ".xml" if channels else ".toml"), (table, None)):
         if path is not None:
             output_path(path, suffix)
-    if tolerances and output is None:
+    if nuisances and output is None:
         raise InputError("--as-built says what -o FILE shall hold; name the file with -o")
     if predictions is not None:
         output_folder(predictions)
@@ -228,7 +228,7 @@ def diagnose(
     if table is not None:
         write_text(table, text)
     if output is not None and isinstance(system, Corrects):
-        write_text(output, system.corrected(causes(found), estimated_nuisances(found) if tolerances else ()))
+        write_text(output, system.corrected(causes(found), estimated_nuisances(found) if nuisances else ()))
     if predictions is not None:
         with locked(predictions):
             _write_predictions(found, predictions, paths if channels else list(map(Path, names)))

@@ -68,10 +68,10 @@ class AsBuilt:
         """Of the system, if it knows its experiments."""
         return self.system.next_experiment(rivals, done) if isinstance(self.system, Designs) else None
 
-    def corrected(self, causes: Hypothesis, tolerances: Hypothesis = ()) -> str:
+    def corrected(self, causes: Hypothesis, nuisances: Hypothesis = ()) -> str:
         """Its file with what it was built with, and effects."""
         assert isinstance(self.system, Corrects)
-        return self.system.corrected(causes, (*self.built, *tolerances))
+        return self.system.corrected(causes, (*self.built, *nuisances))
 
     def column(self, effect: Effect, data: Dataset, nuisances: Array) -> Array | None:
         """Of the system, if it knows responses."""

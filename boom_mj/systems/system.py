@@ -198,7 +198,7 @@ class Designs(Protocol):
 class Corrects(Protocol):
     """A system whose file can hold effects."""
 
-    def corrected(self, causes: Hypothesis, tolerances: Hypothesis = ()) -> str:
+    def corrected(self, causes: Hypothesis, nuisances: Hypothesis = ()) -> str:
         """The text of its file with effects in it: those of an explanation, and nuisances as they were estimated."""
 
 

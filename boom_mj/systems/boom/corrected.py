@@ -8,10 +8,10 @@ from boom_mj.machine import EffectEntry, Machine
 from boom_mj.systems.system import Hypothesis
 
 
-def with_effects_text(machine_text: str, causes: Hypothesis, tolerances: Hypothesis = ()) -> str:
+def with_effects_text(machine_text: str, causes: Hypothesis, nuisances: Hypothesis = ()) -> str:
     """A machine file's text with effects added, each under a comment that says why it is there."""
     text = machine_text.rstrip("\n") + "\n"
-    for why, effects in (("tolerance, as built: estimated", tolerances), ("cause: named by the diagnosis", causes)):
+    for why, effects in (("nuisance, as built: estimated", nuisances), ("cause: named by the diagnosis", causes)):
         text += "".join(f"\n# {why}\n{_toml(_entry(effect))}" for effect in effects)
     return text
 

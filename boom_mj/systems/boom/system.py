@@ -121,9 +121,9 @@ class BoomSystem:
         poses = [self.timeline(log).coordinates for log in data.recordings]
         return residual_force.forces(self.machine, data, poses, white, weight)
 
-    def corrected(self, causes: Hypothesis, tolerances: Hypothesis = ()) -> str:
+    def corrected(self, causes: Hypothesis, nuisances: Hypothesis = ()) -> str:
         """The machine file's text with effects in it."""
-        return with_effects_text(self.text, causes, tolerances)
+        return with_effects_text(self.text, causes, nuisances)
 
     def column(self, effect: Effect, data: Dataset, nuisances: Array) -> Array | None:
         """An angle error moves the boom as a zero offset of its size at that moment would."""

@@ -121,10 +121,10 @@ class MjcfSystem:
         direction = "xyz"[entry.component] if vector else ""
         return ChannelPlace(signal, entry.what, entry.place, direction, signal, f"{entry.what}, {entry.place}")
 
-    def corrected(self, causes: Hypothesis, tolerances: Hypothesis = ()) -> str:
+    def corrected(self, causes: Hypothesis, nuisances: Hypothesis = ()) -> str:
         """The MJCF text with effects in it; those that MJCF does not hold stand in comments."""
         spec, others = self.spec.copy(), []
-        for effect in (*tolerances, *causes):
+        for effect in (*nuisances, *causes):
             if isinstance(effect, ModelEffect):
                 effect.edit(spec, None)
             else:
