@@ -94,15 +94,15 @@ def watch(system: System, healthy: Sequence[Recording], logs: Sequence[Recording
 
 
 def _windows(model: Linearisation, residual: Array, group: str) -> dict[int, Array]:
-    """Mean squares of a channel group over windows of independence, by recording."""
+    """Mean squares of a channel group over windows of independence, by recording; at least half full ones."""
     data, found = model.data, {}
     own = data.spread([channel.group == group for channel in data.channels]).astype(bool) & data.used
     for index in range(len(data.recordings)):
         rows = own & (data.recording_of == index)
         if rows.any():
-            names, windows = np.unique(data.windows[rows], return_inverse=True)
-            found[index] = np.bincount(windows, residual[rows] ** 2) / np.bincount(windows)
-            assert len(names) == len(found[index])
+            _, windows, samples = np.unique(data.windows[rows], return_inverse=True, return_counts=True)
+            whole = samples >= samples.max() / 2  # what is over at the end is a sample or two, and scatters more
+            found[index] = (np.bincount(windows, residual[rows] ** 2) / samples)[whole]
     return found
 
 
