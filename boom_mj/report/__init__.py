@@ -7,6 +7,7 @@ from boom_mj.doors import door
 if TYPE_CHECKING:
     from boom_mj.report.calibration import write_calibration as write_calibration
     from boom_mj.report.diagnosis import write_diagnosis as write_diagnosis
+    from boom_mj.report.discovery import write_discovery as write_discovery
     from boom_mj.report.overlay import draw_overlay as draw_overlay
 else:
     __getattr__, __dir__, __all__ = door(
@@ -14,6 +15,7 @@ else:
         {
             "boom_mj.report.calibration": ("write_calibration",),
             "boom_mj.report.diagnosis": ("write_diagnosis",),
+            "boom_mj.report.discovery": ("write_discovery",),
             "boom_mj.report.overlay": ("draw_overlay",),
         },
     )
