@@ -27,10 +27,12 @@ from typing import Any, ClassVar
 import mujoco
 import numpy as np
 
+from boom_mj.blind.detectability import Detectability
 from boom_mj.blind.figures import wilson
 from boom_mj.blind.plant import nuisances, true_plant
-from boom_mj.blind.sampling import draw
+from boom_mj.blind.sampling import VISIBLE, draw
 from boom_mj.effects import BOOM_SITES, Effect, ModelEffect, OutputEffect, Parameter, builtin
+from boom_mj.effects.laws import TipLaw
 from boom_mj.effects.spec_edits import bent_by
 from boom_mj.logs import write_mcap
 from boom_mj.machine import Machine, cylinder_lengths, load_machine
@@ -43,6 +45,7 @@ NAME = "discovery"
 TRAIN, HOLDOUT = ("fold_in", "sweep", "release_bow_vertical"), ("mixed", "release_bow_horizontal")
 FORMS = ("load_friction", "ripple", "tip_drag", "hardening", "sag", "gain", "memory", "stop", "square_drag")
 BEND = 0.02  # rad
+TRIES = 12  # draws of a form
 PASSES = 4  # of a motion under the drag that it makes itself
 NUMBER = {"number": Parameter("1", 0.0, -1e12, 1e12, 1.0)}
 
@@ -121,6 +124,13 @@ class Hardening(ModelEffect):
             hinge.stiffness[2] += hinge.stiffness[0] * self.sizes["cube"] / length**2
 
 
+class Drag(TipLaw):
+    """Of which only the size is looked at, whether it shows."""
+
+    id = "hidden_drag"
+    table: ClassVar = {"drag": Parameter("N s^2/m^2", 0.0, 0.0, 1e9, 1.0)}
+
+
 def drawn(form: str, machine: Machine, rng: np.random.Generator) -> dict[str, Any]:
     """A form at a random place of random size: what is sealed."""
     cylinder = int(rng.integers(2, 4))
@@ -150,13 +160,13 @@ def drawn(form: str, machine: Machine, rng: np.random.Generator) -> dict[str, An
         angle = float(rng.uniform(*np.percentile(_angles(TRAIN[0])[:, cylinder - 1], [20, 80])))
         sizes, terms = {"g": sign * rng.uniform(0.03, 0.12), "angle": angle}, {"load_angle": "g", "load_scale": ""}
     elif form == "memory":
-        sizes, terms = {"force": sign * rng.uniform(4e3, 1.2e4), "tau": rng.uniform(0.8, 4)}, {"after_stop": "force"}
+        sizes, terms = {"force": sign * rng.uniform(8e3, 3e4), "tau": rng.uniform(0.8, 4)}, {"after_stop": "force"}
     elif form == "stop":
         at = low + rng.uniform(0.3, 0.7) * (high - low)
         sizes = {"stiffness": rng.uniform(1e5, 5e5), "at": at, "side": sign}
         terms = {"upper_stop" if sign > 0 else "lower_stop": "stiffness"}
     else:
-        sizes, terms = {"drag": rng.uniform(2e6, 1e7)}, {"drag": "drag"}
+        sizes, terms = {"drag": rng.uniform(3e7, 1.5e8)}, {"drag": "drag"}
     return {"form": form, "place": place, "sizes": {k: float(v) for k, v in sizes.items()}, "terms": terms}
 
 
@@ -166,6 +176,23 @@ def _angles(name: str) -> Array:
 
 def _lengths(machine: Machine, name: str) -> Array:
     return cylinder_lengths(machine, _angles(name))
+
+
+def eyes_of(machine: Machine) -> list[Detectability]:
+    """How plainly effects show in training and held out."""
+    return [Detectability(machine, tuple(CATALOGUE[name] for name in names)) for names in (TRAIN, HOLDOUT)]
+
+
+def seen(form: str, machine: Machine, rng: np.random.Generator, eyes: Sequence[Detectability]) -> dict[str, Any]:
+    """A form that shows in training and held out, or of TRIES the one that shows most."""
+    found: list[tuple[float, dict[str, Any]]] = []
+    while len(found) < TRIES and (not found or found[-1][0] < VISIBLE):
+        truth = drawn(form, machine, rng)
+        stand_in = Drag(BOOM_SITES[0], drag=truth["sizes"].get("c", 0.0))
+        effect = effect_of(truth) or stand_in
+        found.append((min(eye.visibility([effect]) for eye in eyes), truth))
+    visibility, truth = max(found, key=lambda one: one[0])
+    return {**truth, "visibility": visibility}
 
 
 def effect_of(truth: Mapping[str, Any]) -> Effect | None:
@@ -202,7 +229,8 @@ def write_case(truth: Mapping[str, Any], folder: Path) -> None:
     effect = effect_of(truth)
     added = [effect] if effect else []
     if truth["form"] == "withheld":
-        found, _ = draw(truth["id"], rng, lambda effects: 10.0)
+        eyes = eyes_of(machine)
+        found, _ = draw(truth["id"], rng, lambda effects: min(eye.visibility(effects) for eye in eyes))
         added, own = [found], tuple(n for n in own if n.cause != found.cause)
     plant = true_plant(machine, (*own, *added))
     for part, names in (("train", TRAIN), ("holdout", HOLDOUT)):
@@ -219,7 +247,8 @@ def make(work: Path, commit: str, laws: int, healthy: int) -> None:
     rng = np.random.default_rng(list(seed))
     machine = load_machine("boom36")
     forms = [FORMS[k % len(FORMS)] for k in range(laws)]
-    cases = [drawn(form, machine, rng) for form in forms]
+    eyes = eyes_of(machine)
+    cases = [seen(form, machine, rng, eyes) for form in forms]
     cases += [{"form": "healthy", "place": {}, "sizes": {}, "terms": {}}] * healthy
     known = [name for name, kind in builtin().items() if kind.competes and kind.allowed(BOOM_SITES)]
     cases += [{"form": "withheld", "id": name, "place": {}, "sizes": {}, "terms": {}} for name in known]

@@ -5,6 +5,7 @@ from importlib.metadata import version
 from typing import Any
 
 from boom_mj.diagnosis.answer import plain
+from boom_mj.diagnosis.diagnose import held_out_closure
 from boom_mj.diagnosis.named import brief
 from boom_mj.discovery.discover import Discovery
 from boom_mj.discovery.search import FoundLaw
@@ -30,6 +31,10 @@ def document(found: Discovery, names: Sequence[str], findings: Sequence[DataFind
         "gap": {**gaps, "closure": share.value, "closure_interval": [share.low, share.high]},
         "front": [_row(one) for one in found.front],
         "ties": [_row(one) for one in found.ties],
+        "places": [
+            {"place": one.place.named, "acts_on": one.place.acts_on, "closure": _closure(found, one)}
+            for one in found.places
+        ],
         "library": None
         if found.library is None
         else {**brief(found.library.fit.effects), "holdout_gap": found.library.held_out},
@@ -45,6 +50,11 @@ def document(found: Discovery, names: Sequence[str], findings: Sequence[DataFind
         },
     }
     return plain(answer)
+
+
+def _closure(found: Discovery, law: FoundLaw) -> float:
+    """Of the held-out gap."""
+    return held_out_closure(found.model, found.nominal, law.residual).value
 
 
 def _law(law: FoundLaw) -> dict[str, Any]:

@@ -34,6 +34,7 @@ class Discovery:
         ties: other laws of no more terms that the data cannot tell from the best.
         library: the library's effect that does best alone, None where none helps.
         same_as: it, where it does what the law does.
+        places: of every place the law that leaves least there, the best first.
         nominal: whitened residual of the nominal model with its nuisances, (N,).
         model: the healthy machine.
         skipped: what was not looked at for want of time.
@@ -45,6 +46,7 @@ class Discovery:
     ties: tuple[FoundLaw, ...]
     library: Scored | None
     same_as: Scored | None
+    places: tuple[FoundLaw, ...]
     nominal: Array
     model: Linearisation
     skipped: tuple[str, ...] = ()
@@ -76,14 +78,15 @@ def _discover(predictor: Predictor, without: Sequence[str], clock: Clock) -> Dis
     gaps = gap(nominal, model.data.train), gap(nominal, model.data.held_out)
     clock.tell(f"nominal gap {gaps[0]:.2f} in training, {gaps[1]:.2f} held out")
     if max(gaps) <= model.criteria.healthy_gap:
-        return Discovery("none", None, (), (), None, None, nominal, model, clock.skipped)
+        return Discovery("none", None, (), (), None, None, (), nominal, model, clock.skipped)
     places = possible(model, nominal, places_of(model))
     clock.tell(f"{sum(len(place.terms) for place in places)} terms at {len(places)} places")
     laws = sorted(fitted(model, sums(model, raw, places), clock), key=lambda found: found.held_out)
     front = _front(laws)
     best = _refined(_chosen(model, nominal, laws), gaps, clock) if laws else None
     clock.tell("the library")
-    library = _library(model, raw, nominal, gaps, clock)
+    fall = 1 - (gap(best.residual, model.data.train) / gaps[0]) ** 2 if best else 0.0
+    library = _library(model, raw, nominal, MAIN_SHARE * fall, clock)
     left = [one for one in library if one.fit.effects[0].id not in without]
     same = next((one for one in library if best and _alike(model, one, best)), None)
     named = left[0] if left else None
@@ -91,7 +94,7 @@ def _discover(predictor: Predictor, without: Sequence[str], clock: Clock) -> Dis
     if best and named and named is not same and _better(model, named, best):
         verdict = "none"
     ties = tuple(one for one in laws if best and _tied(model, best, one))
-    return Discovery(verdict, best, front, ties, named, same, nominal, model, clock.skipped)
+    return Discovery(verdict, best, front, ties, named, same, _by_place(laws), nominal, model, clock.skipped)
 
 
 def _front(laws: Sequence[FoundLaw]) -> tuple[FoundLaw, ...]:
@@ -102,6 +105,14 @@ def _front(laws: Sequence[FoundLaw]) -> tuple[FoundLaw, ...]:
         if not found or best.held_out < found[-1].held_out:
             found.append(best)
     return tuple(found)
+
+
+def _by_place(laws: Sequence[FoundLaw]) -> tuple[FoundLaw, ...]:
+    """Of laws, the best first, the first of every place."""
+    found: dict[int, FoundLaw] = {}
+    for law in laws:
+        found.setdefault(id(law.place), law)
+    return tuple(found.values())
 
 
 def _chosen(model: Linearisation, nominal: Array, laws: Sequence[FoundLaw]) -> FoundLaw:
@@ -136,12 +147,14 @@ def _refined(best: FoundLaw, gaps: tuple[float, float], clock: Clock) -> FoundLa
     return replaced(best, again)
 
 
-def _library(model: Linearisation, raw: Array, nominal: Array, gaps: tuple[float, float], clock: Clock) -> list[Scored]:
-    """The library's effects alone, the best first."""
+def _library(model: Linearisation, raw: Array, nominal: Array, least: float, clock: Clock) -> list[Scored]:
+    """The library's effects alone, the best first, of those that promise at least a share of the training misfit."""
     if clock.over("the library"):
         return []
+    gaps = gap(nominal, model.data.train), gap(nominal, model.data.held_out)
     screening = Screening(model, everywhere(model.system), spectral_lines(model, nominal))
-    return refined(singles(model, screening.rank(raw), clock), gaps, clock)
+    promising = [one for one in screening.rank(raw) if one.share >= least]
+    return refined(singles(model, promising, clock), gaps, clock) if promising else []
 
 
 def _alike(model: Linearisation, library: Scored, best: FoundLaw) -> bool:

@@ -84,7 +84,7 @@ SENSOR = (
     _term("drifting_scale", "reading * time", "1/s"),
 )
 CHANNEL = SENSOR
-IMU = (*SENSOR, _term("angle", "angle", "{F}/rad"), _term("scale_angle", "reading * angle", "1/rad"))
+IMU = (*SENSOR, _term("tilt", "angle", "{F}/rad"), _term("scale_angle", "reading * angle", "1/rad"))
 ANGLE = (
     _term("scale", "angle", "1"),
     _term("square", "angle**2", "1/rad"),

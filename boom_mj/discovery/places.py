@@ -9,7 +9,6 @@ import numpy as np
 
 from boom_mj.discovery.grammar import GRAMMARS, Shape, Term
 from boom_mj.effects import Effect, Parameter, Site, Values, laws
-from boom_mj.recording import Signal
 
 Array = np.ndarray
 FAR = 1e3  # sizes, to either side, within which a fit may look for a coefficient
@@ -36,9 +35,9 @@ class Place:
         words: what {x}, {F}, {creep}, {middle} of the grammar are here.
         attributes: of the class, such as an IMU's axis.
         sizes: of coefficients whose function is not one of variables.
-        signal, column: of the channel that a sensor's law alters; "" of a law that moves the machine.
+        channel: signal and column that a sensor's law alters; None of a law that moves the machine.
         thresholds: how many are tried within a variable's range.
-        sense: the variables, (n,) each, of simulated signals; None of a law that moves the machine.
+        sense: the variables in a recording, (n,) each, with their time; None where they are not known beforehand.
     """
 
     base: type[Effect]
@@ -49,10 +48,9 @@ class Place:
     words: Mapping[str, Any]
     attributes: Mapping[str, str] = field(default_factory=dict)
     sizes: Mapping[str, float] = field(default_factory=dict)
-    signal: str = ""
-    column: int = 0
+    channel: tuple[str, int] | None = None
     thresholds: int = THRESHOLDS
-    sense: Callable[[Mapping[str, Signal]], dict[str, Array]] | None = None
+    sense: Callable[[int], dict[str, Array]] | None = None
 
     @property
     def terms(self) -> tuple[Term, ...]:

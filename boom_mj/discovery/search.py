@@ -91,8 +91,8 @@ def possible(model: Linearisation, nominal: Array, places: Sequence[Place]) -> l
     whole = max(float(own.sum()), 1e-12)
 
     def share(place: Place) -> float:
-        mine = [k for k, c in enumerate(data.channels) if (c.signal, c.column) == (place.signal, place.column)]
-        return float(own[mine].sum()) / whole if place.signal else 1.0
+        mine = [k for k, c in enumerate(data.channels) if (c.signal, c.column) == place.channel]
+        return float(own[mine].sum()) / whole if place.channel else 1.0
 
     return [place for place in places if share(place) > MAIN_SHARE]
 
@@ -162,8 +162,9 @@ def _typical(place: Place, term: Term, coefficient: str) -> float:
 
 
 def fitted(model: Linearisation, ranked: Sequence[Sequence[Sum]], clock: Clock) -> Iterator[FoundLaw]:
-    """The best sums at the best places, fitted in the loop and scored."""
-    for at_place in ranked[:PLACES]:
+    """The best sums at the best places, fitted in the loop and scored; none where a sum promises much less."""
+    least = MAIN_SHARE * max((s.share for at_place in ranked for s in at_place), default=0.0)
+    for at_place in [one for one in ranked if max(s.share for s in one) >= least][:PLACES]:
         for size in range(1, MOST_TERMS + 1):
             for one in [s for s in at_place if len(s.terms) == size][:FITTED]:
                 if clock.over(f"{' + '.join(t.name for t in one.terms)} on {one.place.acts_on}"):

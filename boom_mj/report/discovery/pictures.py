@@ -8,13 +8,11 @@ from matplotlib.figure import Figure
 
 from boom_mj.discovery import Discovery
 from boom_mj.discovery.search import FoundLaw
-from boom_mj.discovery.where import thinned
 from boom_mj.report.colours import CORRECTED, MEASURED, NOMINAL
 from boom_mj.report.drawing import draw, gap_axis
 
 Array = np.ndarray
 WIDTH, HEIGHT, ROW = 1080, 260, 120  # px
-ACROSS = 5  # variables side by side
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,24 +55,24 @@ def missing(found: Discovery, law: FoundLaw) -> list[Missing]:
 
 
 def over_variables(found: Discovery, law: FoundLaw, rows: list[Missing]) -> Markup | None:
-    """What is missing over every variable of a sensor's law, all recordings, with the law."""
+    """What is missing over every variable of a law, all recordings, with the law."""
     if law.place.sense is None:
         return None
-    level, data = found.model.facts.fidelity.coarse, found.model.data
     values: dict[str, list[Array]] = {}
     for row in rows:
-        run = thinned(found.model.system.simulate((), level, data.recordings[row.recording]), data.block_s)
-        sensed = law.place.sense(run)
-        time = run[law.place.signal].time
-        for name, value in sensed.items():
-            values.setdefault(name, []).append(np.interp(row.time, time, value))
+        sensed = law.place.sense(row.recording)
+        for name in law.place.base.variables:  # type: ignore[attr-defined]
+            values.setdefault(name, []).append(np.interp(row.time, sensed["time"], sensed[name]))
+    values = {name: parts for name, parts in values.items() if np.ptp(np.concatenate(parts)) > 0}
     lacking, does = (np.concatenate([getattr(row, name) for row in rows]) for name in ("lacking", "law"))
-    units = {**law.place.base.variables, "reading": rows[0].unit}  # type: ignore[attr-defined]
+    here = {"position": "{x}", "speed": "{x}/s", "load": "{F}", "reading": "{F}"} if law.place.words else {}
+    given = law.place.base.variables  # type: ignore[attr-defined]
+    units = {**given, **{name: law.place.text(unit) for name, unit in here.items() if not given.get(name)}}
 
     def paint(figure: Figure) -> None:
         for axes, (name, parts) in zip(np.ravel(figure.subplots(1, len(values), sharey=True)), values.items()):
-            axes.plot(np.concatenate(parts), lacking, ".", ms=2, color=MEASURED, alpha=0.4)
-            axes.plot(np.concatenate(parts), does, ".", ms=2, color=CORRECTED)
+            axes.plot(np.concatenate(parts), does, ".", ms=5, color=CORRECTED)
+            axes.plot(np.concatenate(parts), lacking, ".", ms=1.5, color=MEASURED)
             axes.set_xlabel(f"{name}, {units[name]}")
         figure.axes[0].set_ylabel(f"missing, {rows[0].unit}")
 
@@ -98,7 +96,7 @@ def over_time(found: Discovery, rows: list[Missing]) -> Markup:
 
 def front(found: Discovery) -> Markup:
     """The held-out gap that laws of one, two, ... terms leave."""
-    laws = [law for law in found.front]
+    laws = list(found.front)
     before = float(np.sqrt(np.mean(found.nominal[found.model.data.held_out] ** 2)))
     left = np.array([before, *(law.held_out for law in laws)])
 
