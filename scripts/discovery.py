@@ -6,8 +6,8 @@
 
 The seed is the SHA-256 of the commit's id and the campaign's name, so that it can be neither chosen nor lost. `make`
 writes the truth, its hash first; `run` makes the logs of a case, asks the command line, keeps its answer and goes on
-where it was stopped; `report` opens the seal. Forces and readings are computed here, not by the grammar: the drag from
-the tip's own motion, the memory by its own recursion, on a plant of finer hinges with another integrator.
+where it was stopped; `report` opens the seal. Forces and readings are computed here, not by the grammar: the memory, for
+one, by its own recursion. The plant has finer hinges and another integrator.
 """
 
 import argparse
@@ -32,13 +32,12 @@ from boom_mj.blind.figures import wilson
 from boom_mj.blind.plant import nuisances, true_plant
 from boom_mj.blind.sampling import VISIBLE, draw
 from boom_mj.effects import BOOM_SITES, Effect, ModelEffect, OutputEffect, Parameter, builtin
-from boom_mj.effects.laws import TipLaw
 from boom_mj.effects.spec_edits import bent_by
 from boom_mj.logs import write_mcap
 from boom_mj.machine import Machine, cylinder_lengths, load_machine
 from boom_mj.recording import Signal
 from boom_mj.sensors import record
-from boom_mj.simulation import CATALOGUE, Experiment, Plant, Trajectory, run, run_experiment, step_times
+from boom_mj.simulation import CATALOGUE, run_experiment
 
 Array = np.ndarray
 NAME = "discovery"
@@ -46,7 +45,6 @@ TRAIN, HOLDOUT = ("fold_in", "sweep", "release_bow_vertical"), ("mixed", "releas
 FORMS = ("load_friction", "ripple", "tip_drag", "hardening", "sag", "gain", "memory", "stop", "square_drag")
 BEND = 0.02  # rad
 TRIES = 12  # draws of a form
-PASSES = 4  # of a motion under the drag that it makes itself
 NUMBER = {"number": Parameter("1", 0.0, -1e12, 1e12, 1.0)}
 
 
@@ -124,11 +122,19 @@ class Hardening(ModelEffect):
             hinge.stiffness[2] += hinge.stiffness[0] * self.sizes["cube"] / length**2
 
 
-class Drag(TipLaw):
-    """Of which only the size is looked at, whether it shows."""
+class Drag(ModelEffect):
+    """A ball at the tip in a fluid: MuJoCo's rho C pi r^2 |v| v, which a test of the laws holds against its power."""
 
     id = "hidden_drag"
-    table: ClassVar = {"drag": Parameter("N s^2/m^2", 0.0, 0.0, 1e9, 1.0)}
+    table: ClassVar = NUMBER
+    sizes: Mapping[str, float]
+
+    def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
+        spec.option.density, radius = 1e-4, 0.05
+        tip = spec.site("tip")
+        ball = tip.parent.add_geom(name="hidden", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[radius, 0, 0], pos=tip.pos)
+        ball.mass, ball.contype, ball.conaffinity, ball.fluid_ellipsoid = 0.0, 0, 0, 1.0
+        ball.fluid_coefs = [self.sizes["c"] / (1e-4 * np.pi * radius**2), 0.0, 0.0, 0.0, 0.0]
 
 
 def drawn(form: str, machine: Machine, rng: np.random.Generator) -> dict[str, Any]:
@@ -188,46 +194,27 @@ def seen(form: str, machine: Machine, rng: np.random.Generator, eyes: Sequence[D
     found: list[tuple[float, dict[str, Any]]] = []
     while len(found) < TRIES and (not found or found[-1][0] < VISIBLE):
         truth = drawn(form, machine, rng)
-        stand_in = Drag(BOOM_SITES[0], drag=truth["sizes"].get("c", 0.0))
-        effect = effect_of(truth) or stand_in
-        found.append((min(eye.visibility([effect]) for eye in eyes), truth))
+        found.append((min(eye.visibility([effect_of(truth)]) for eye in eyes), truth))
     visibility, truth = max(found, key=lambda one: one[0])
     return {**truth, "visibility": visibility}
 
 
-def effect_of(truth: Mapping[str, Any]) -> Effect | None:
-    """The hidden effect; None where there is none or the motion itself makes it."""
-    kinds: dict[str, type[Effect]] = {"hardening": Hardening, "gain": ImuGain}
-    form = truth["form"]
-    if form in ("healthy", "tip_drag", "withheld"):
-        return None
-    kind = kinds.get(form, Cylinder) if "link" in truth["place"] else Cylinder
-    key = "link" if "link" in truth["place"] else "cylinder"
-    site = next(s for s in BOOM_SITES if s.location == {key: truth["place"][key]})
+def effect_of(truth: Mapping[str, Any]) -> Effect:
+    """The hidden effect."""
+    place = truth["place"]
+    kind = {"hardening": Hardening, "tip_drag": Drag}.get(truth["form"]) or (ImuGain if "link" in place else Cylinder)
+    site = next(s for s in BOOM_SITES if s.location == {k: v for k, v in place.items() if k in ("link", "cylinder")})
     effect = kind(site, number=1.0)
     object.__setattr__(effect, "sizes", truth["sizes"])
-    object.__setattr__(effect, "form", form)
+    object.__setattr__(effect, "form", truth["form"])
     return effect
-
-
-def under_drag(plant: Plant, experiment: Experiment, drag: float) -> Trajectory:
-    """A motion whose tip feels -c |v| v of its own velocity: the fixed point of a few passes."""
-    time = step_times(plant, experiment.duration)
-    rope, path = experiment.tip_force(time), experiment.joint_path(time)[0]
-    force = np.zeros_like(rope)
-    for _ in range(PASSES):
-        found = run(plant, path, rope + force)
-        velocity = np.gradient(found.sensor("marker12"), time, axis=0)
-        force = -drag * np.linalg.norm(velocity, axis=1)[:, None] * velocity
-    return replace(found, tip_force=rope)
 
 
 def write_case(truth: Mapping[str, Any], folder: Path) -> None:
     """The logs of a case."""
     machine, rng = load_machine("boom36"), np.random.default_rng(truth["seed"])
     own = nuisances(machine, rng)
-    effect = effect_of(truth)
-    added = [effect] if effect else []
+    added = [effect_of(truth)] if truth["form"] in FORMS else []
     if truth["form"] == "withheld":
         eyes = eyes_of(machine)
         found, _ = draw(truth["id"], rng, lambda effects: min(eye.visibility(effects) for eye in eyes))
@@ -237,9 +224,7 @@ def write_case(truth: Mapping[str, Any], folder: Path) -> None:
         (folder / part).mkdir(parents=True, exist_ok=True)
         for name in names:
             experiment = CATALOGUE[name]
-            drag = truth["sizes"]["c"] if truth["form"] == "tip_drag" else 0.0
-            made = under_drag(plant, experiment, drag) if drag else run_experiment(plant, experiment)
-            write_mcap(record(made, experiment, rng), folder / part / f"{name}.mcap")
+            write_mcap(record(run_experiment(plant, experiment), experiment, rng), folder / part / f"{name}.mcap")
 
 
 def make(work: Path, commit: str, laws: int, healthy: int) -> None:

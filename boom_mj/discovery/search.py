@@ -162,14 +162,18 @@ def _typical(place: Place, term: Term, coefficient: str) -> float:
 
 
 def fitted(model: Linearisation, ranked: Sequence[Sequence[Sum]], clock: Clock) -> Iterator[FoundLaw]:
-    """The best sums at the best places, fitted in the loop and scored; none where a sum promises much less."""
+    """The best sums at the best places, fitted in the loop and scored; longer ones where shorter ones leave a gap."""
     least = MAIN_SHARE * max((s.share for at_place in ranked for s in at_place), default=0.0)
     for at_place in [one for one in ranked if max(s.share for s in one) >= least][:PLACES]:
         for size in range(1, MOST_TERMS + 1):
+            found = []
             for one in [s for s in at_place if len(s.terms) == size][:FITTED]:
                 if clock.over(f"{' + '.join(t.name for t in one.terms)} on {one.place.acts_on}"):
                     return
-                yield fit_law(model, one, clock)
+                found.append(fit_law(model, one, clock))
+            yield from found
+            if any(max(law.scored.gaps) <= model.criteria.explained_gap for law in found):
+                break
 
 
 def fit_law(model: Linearisation, one: Sum, clock: Clock) -> FoundLaw:
