@@ -81,7 +81,7 @@ def _discover(predictor: Predictor, without: Sequence[str], clock: Clock) -> Dis
         return Discovery("none", None, (), (), None, None, (), nominal, model, clock.skipped)
     places = possible(model, nominal, places_of(model))
     clock.tell(f"{sum(len(place.terms) for place in places)} terms at {len(places)} places")
-    laws = sorted(fitted(model, sums(model, raw, places), clock), key=lambda found: found.held_out)
+    laws = sorted(fitted(model, sums(model, raw, places), gaps[0], clock), key=lambda found: found.held_out)
     front = _front(laws)
     best = _refined(_chosen(model, nominal, laws), gaps, clock) if laws else None
     clock.tell("the library")

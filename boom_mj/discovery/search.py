@@ -161,13 +161,24 @@ def _typical(place: Place, term: Term, coefficient: str) -> float:
     return law_class(place, (term,)).table[coefficient].typical
 
 
-def fitted(model: Linearisation, ranked: Sequence[Sequence[Sum]], clock: Clock) -> Iterator[FoundLaw]:
-    """The best sums at the best places, fitted in the loop and scored; longer ones where shorter ones leave a gap."""
+def fitted(model: Linearisation, ranked: Sequence[Sequence[Sum]], before: float, clock: Clock) -> Iterator[FoundLaw]:
+    """The best sums at the best places, fitted in the loop and scored.
+
+    Longer ones only where shorter ones leave a gap of which they promise to close their share (`required_gain`).
+
+    Args:
+        before: gap in training.
+    """
     least = MAIN_SHARE * max((s.share for at_place in ranked for s in at_place), default=0.0)
     for at_place in [one for one in ranked if max(s.share for s in one) >= least][:PLACES]:
+        shorter = np.inf  # mean square above noise that sums promise to leave
         for size in range(1, MOST_TERMS + 1):
-            found = []
-            for one in [s for s in at_place if len(s.terms) == size][:FITTED]:
+            own = [s for s in at_place if len(s.terms) == size]
+            left = min(((1 - s.share) * before**2 - 1 for s in own), default=np.inf)
+            if left > (1 - model.criteria.required_gain) * shorter:
+                continue
+            found, shorter = [], left
+            for one in own[:FITTED]:
                 if clock.over(f"{' + '.join(t.name for t in one.terms)} on {one.place.acts_on}"):
                     return
                 found.append(fit_law(model, one, clock))
