@@ -45,7 +45,7 @@ class Cause:
         location: where it acts, such as {"joint": 3}.
         parameters: its sizes, by name.
         closure_alone: share of the held-out gap that it closes by itself; None where that was not tried.
-        share: of the nominal held-out mean square that it takes; see `diagnosis.budget`.
+        share: of the held-out mean square of the machine as built that it takes; see `diagnosis.budget`.
         probability: that the machine has it.
     """
 
@@ -76,7 +76,8 @@ class Answer:
     @cached_property
     def document(self) -> dict[str, Any]:
         """All of it as plain data, as `gap diagnose --json` writes it."""
-        return diagnosis.document(self.found, self.names, self.findings)
+        channels = diagnosis.channel_steps(self.found, self.names)
+        return diagnosis.document(self.found, self.names, self.findings, channels)
 
     @property
     def verdict(self) -> str:
@@ -122,7 +123,7 @@ class Answer:
         """Write the page of `gap diagnose --html`: one file, which fetches nothing."""
         from boom_mj.report import write_diagnosis
 
-        write_diagnosis(self.found, self.names, Path(path))
+        write_diagnosis(self.found, self.document, Path(path))
 
 
 def diagnose(

@@ -111,6 +111,7 @@ class Replay(Part):
 
     log: str
     machine: str
+    hinges: int
     groups: dict[str, ChannelGroup]
     timing: Timing
     quality: Quality
@@ -236,6 +237,13 @@ class Levels(Part):
     floor: float
 
 
+class Steps(Levels):
+    """A gap in units of noise, from the file to the explanation."""
+
+    nominal: Number
+    """Of the machine file as it is; `before` is as built, with the nuisances that leave least."""
+
+
 class Identifiability(Part):
     """What the recordings tell."""
 
@@ -290,7 +298,7 @@ class NamedCause(Named):
     parameters: dict[str, SizedParameter]
     closure_alone: Number
     share: Number
-    """Of the nominal held-out mean square."""
+    """Of the held-out mean square of the machine as built."""
     share_interval: list[Number]
     probability: Number
 
@@ -306,8 +314,8 @@ class Rival(Named):
 class Gaps(Part):
     """Gaps in units of noise."""
 
-    train: Levels
-    holdout: Levels
+    train: Steps
+    holdout: Steps
     closure: Number
     closure_interval: list[Number]
     fidelity_alone: Number
@@ -332,12 +340,51 @@ class Share(Named):
     share_interval: list[Number]
 
 
+class ResidualForce(Part):
+    """A force that would move the machine as built to where it was."""
+
+    part: str
+    direction: str
+    force: float
+    unit: str
+    ratio: float
+
+
+class Prior(Part):
+    """Of a nuisance."""
+
+    neutral: float
+    deviation: float
+
+
+class NuisanceSize(Named):
+    """A parameter of a nuisance, as it was estimated along."""
+
+    parameter: str
+    value: float
+    unit: str
+    prior: Prior
+
+
+class ChannelSteps(Part):
+    """A channel group of one log: rms of measured - simulated over noise, as `replay` gives it."""
+
+    log: str
+    channel: str
+    data_sheet: float
+    as_built: float
+    with_causes: float
+    uncertainty: float
+    """Of with_causes, 95 %."""
+
+
 class Remainder(Part):
     """What an explanation leaves above the floor."""
 
     share: Number
     looks_like: str
     where: str
+    train_with: list[str]
 
 
 class GapDiagnose(Part):
@@ -346,16 +393,25 @@ class GapDiagnose(Part):
     verdict: Literal["consistent", "explained", "ambiguous", "partial", "unexplained"]
     sentence: str
     effects: list[NamedCause]
+    suspect: list[NamedCause]
     rivals: list[Rival]
     ties: list[list[Named]]
     next_experiment: str | None
     gap: Gaps
     where: list[Where]
+    residual_forces: list[ResidualForce]
+    nuisances: list[NuisanceSize]
+    channels: list[ChannelSteps]
+    """None while the search runs."""
     provenance: dict[str, Any]
     others: dict[Literal["outside_library", "none"], Number]
     """Probabilities beside those of the explanations."""
     budget: list[Share]
     remainder: Remainder | None
+    pushes: list[ResidualForce]
+    """`residual_forces` by the name that it has in 0.1."""
+    unexplained: Remainder | None
+    """`remainder` by the name that it has in 0.1, with `learn_from`."""
     floor_share: Number
     """With those of budget and remainder it makes 1."""
     data: list[Finding]

@@ -1,10 +1,10 @@
 """The budget of a gap: what each cause takes of it, and how sure each explanation is, from held-out scores by windows.
 
-Shares are of the nominal held-out mean square v(nothing). With v(T) the mean square of the effects T alone at their
-sizes, nuisances estimated anew, a cause's share is its Shapley value of v(nothing) - v(T): the mean over all orders of
-adding, so that shares, remainder v(all) - 1 and floor 1 add up to the whole.
+Shares are of the held-out mean square of the machine as built, v(nothing). With v(T) the mean square of the effects T
+alone at their sizes, nuisances estimated anew, a cause's share is its Shapley value of v(nothing) - v(T): the mean over
+all orders of adding, so that shares, remainder v(all) - 1 and floor 1 add up to the whole.
 
-Windows are resampled as wholes. In every draw one of these is true: the nominal model needs no explanation, an
+Windows are resampled as wholes. In every draw one of these is true: the machine as built needs no explanation, an
 explanation suffices and is the cheapest, or none suffices, so that something outside the library is at work. How often
 each is true is its probability; raw likelihoods of many correlated samples would make every wrong name certain.
 """
@@ -31,7 +31,7 @@ MOST_SUBSETS = 32  # of effects that are simulated for shares; more effects are 
 
 @dataclass(frozen=True)
 class Share:
-    """Of the nominal held-out mean square, with a 95 % interval."""
+    """Of the held-out mean square of the machine as built, with a 95 % interval."""
 
     value: float
     low: float
@@ -57,7 +57,7 @@ class Odds:
 
 
 def gap_budget(nominal: Array, best: Scored) -> Budget:
-    """What the effects of an explanation take of a nominal whitened residual, (N,)."""
+    """What the effects of an explanation take of a whitened residual as built, (N,)."""
     model, effects = best.model, best.fit.effects
     subsets = _subsets(len(effects))
     squares = _mean_squares(model, _residuals(nominal, best, subsets))  # (draws + 1, subsets)

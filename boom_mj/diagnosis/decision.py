@@ -53,7 +53,7 @@ def held_out_loss(model: Linearisation, better: Array, worse: Array) -> tuple[fl
 
 
 def sure(model: Linearisation, nominal: Array, found: Scored) -> bool:
-    """Whether the held-out residual is smaller than the nominal one beyond what chance does."""
+    """Whether the held-out residual is smaller than that of the machine as built beyond what chance does."""
     fall, error = held_out_loss(model, found.fit.residual, nominal)
     return fall > model.criteria.sure_z * error
 

@@ -32,7 +32,7 @@ class Diagnosis:
         best: the explanation, None where nothing helps.
         scored: all scored candidates, best first.
         ties: rivals that the data cannot tell from the best.
-        nominal: whitened residual of the nominal model with its nuisances, (N,).
+        nominal: whitened residual of the machine as built, with the nuisances that leave least of it, (N,).
         closure: of the best on held-out entries.
         fidelity_alone: share of the coarse model's held-out gap that a finer one closes by itself.
         next_experiment: that would separate the ties.
@@ -101,7 +101,7 @@ class Diagnosis:
 
     @cached_property
     def forces(self) -> tuple[ResidualForce, ...]:
-        """What would push the nominal model to where the machine is; none where channels do not tell where it is."""
+        """What would move the machine as built to where it was; none where channels do not tell where that is."""
         system, model = self.model.system, self.model
         if not isinstance(system, ResidualForces):
             return ()
@@ -138,7 +138,7 @@ def _diagnose(predictor: Predictor, without: Sequence[str], clock: Clock, most: 
     raw = model.residual(model.base)
     nominal = model.clean(raw)
     gaps = training, before = gap(nominal, data.train), gap(nominal, data.held_out)
-    clock.tell(f"nominal gap {training:.2f} in training, {before:.2f} held out; screening")
+    clock.tell(f"gap as built {training:.2f} in training, {before:.2f} held out; screening")
     screened: list[Screened] = []
     if not clock.over("the library"):
         screening = Screening(model, everywhere(model.system, without), spectral_lines(model, nominal))

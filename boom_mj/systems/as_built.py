@@ -69,9 +69,9 @@ class AsBuilt:
         return self.system.next_experiment(rivals, done) if isinstance(self.system, Designs) else None
 
     def corrected(self, causes: Hypothesis, nuisances: Hypothesis = ()) -> str:
-        """Its file with what it was built with, and effects."""
+        """Its file with effects in it; what it was built with is one of its nuisances."""
         assert isinstance(self.system, Corrects)
-        return self.system.corrected(causes, (*self.built, *nuisances))
+        return self.system.corrected(causes, nuisances)
 
     def column(self, effect: Effect, data: Dataset, nuisances: Array) -> Array | None:
         """Of the system, if it knows responses."""

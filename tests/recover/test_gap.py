@@ -9,7 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from boom_mj.diagnosis import Diagnosis, causes, diagnose, document, estimated_nuisances, explanation
+from boom_mj.diagnosis import (
+    Diagnosis,
+    causes,
+    channel_steps,
+    diagnose,
+    document,
+    estimated_nuisances,
+    explanation,
+)
 from boom_mj.diagnosis.candidate import Candidate
 from boom_mj.diagnosis.fitting import fit, grid_starts
 from boom_mj.diagnosis.linearisation import linearise
@@ -17,6 +25,9 @@ from boom_mj.diagnosis.localisation import locate
 from boom_mj.effects import Effect, make_effect, parse_effect
 from boom_mj.machine import load_machine, parse_machine
 from boom_mj.recording import Recording, named_signal
+from boom_mj.replay import replay
+from boom_mj.report.diagnosis.page import diagnosis_page
+from boom_mj.report.words import number
 from boom_mj.sensors import measure
 from boom_mj.simulation import CATALOGUE, make_plant, run_experiment
 from boom_mj.systems.boom import BoomSystem
@@ -75,6 +86,26 @@ def test_a_payload_comes_back() -> None:
     assert [entry.id for entry in parse_machine(SYSTEM.corrected(causes(found))).effect] == ["tip_payload"]
     offsets = {e.model_extra["joint"]: e.model_extra["offset"] for e in corrected.effect if e.id == "joint_zero_offset"}
     assert offsets.keys() == {1, 2, 3, 4, 5} and offsets[2] == pytest.approx(-0.004, abs=3e-4)
+
+
+def test_the_corrected_machine_replays_to_the_figures_of_the_page() -> None:
+    """Data sheet, as built, with causes: each written, read again and replayed with the diagnosis' own hinges."""
+    found = diagnosis("tip_payload:mass=45")
+    channels, built = channel_steps(found), estimated_nuisances(found)
+    texts = {
+        "data_sheet": SYSTEM.text,
+        "as_built": SYSTEM.corrected((), built),
+        "with_causes": SYSTEM.corrected(causes(found), built),
+    }
+    for step, text in texts.items():
+        plant = make_plant(parse_machine(text), SYSTEM.facts.fidelity.shown.hinges)
+        replayed = {
+            (log.name, g.name): g.ratio for log in found.model.data.recordings for g in replay(plant, log).groups
+        }
+        assert {(row.log, row.channel): getattr(row, step) for row in channels} == pytest.approx(replayed, rel=5e-4)
+    assert [row for row in channels if row.worse] == []
+    page = diagnosis_page(found, document(found, (*TRAIN, *HELD_OUT), channels=channels))
+    assert all(f">{number(row.with_causes)}<" in page for row in channels)
 
 
 def test_gusts_of_a_wind_are_told() -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from boom_mj.cli.documents import GapDiagnose
 from boom_mj.diagnosis import Diagnosis, document
 from boom_mj.diagnosis.budget import odds
 from boom_mj.diagnosis.candidate import Candidate
@@ -20,6 +21,7 @@ from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.scoring import Scored
 from boom_mj.diagnosis.screening import Screened
 from boom_mj.diagnosis.sentences import sentence
+from boom_mj.diagnosis.steps import ChannelSteps
 from boom_mj.effects import make_effect
 from boom_mj.estimation.bootstrap import Closure, gap
 from boom_mj.estimation.linear import LinearPosterior
@@ -38,6 +40,8 @@ ROOT = Path(__file__).parents[2]
 BOOM = load_machine(ROOT / "models" / "boom36.toml")
 HOSTILE = '<script src="https://evil.example/x.js"></script>'
 NAMES = ("one.mcap", f"{HOSTILE}.mcap", "\"'><img src=//evil.example onerror=alert(1)>.mcap")
+CHANNELS = [ChannelSteps(name, f"{HOSTILE}/x", 8.25, 7.5, 1.125, 0.1) for name in NAMES]
+STAYING = "verdict sentence effects others rivals ties next_experiment gap where remainder data complete provenance"
 PAYLOAD = (make_effect("tip_payload", {"mass": 40.0}),)
 HEAVIER = (make_effect("link_mass", {"link": 5, "factor": 1.1}),)
 SOFT = (make_effect("hydraulic_compliance", {"joint": 3, "stiffness": 2e7}),)
@@ -121,7 +125,8 @@ def diagnosis(case: str, training: int = 2) -> Diagnosis:
 
 @cache
 def page(case: str, training: int = 2) -> str:
-    return diagnosis_page(diagnosis(case, training), NAMES)
+    found = diagnosis(case, training)
+    return diagnosis_page(found, document(found, NAMES, channels=CHANNELS))
 
 
 class Reader(HTMLParser):
@@ -211,7 +216,29 @@ def test_the_verdict_is_told() -> None:
         assert "Causes that are sure, though something is left" in words[case]
         assert "does not explain enough" not in words[case]
     assert "raises the gap" in words["explained"]
-    assert "corrected model" not in words["consistent"]
+    assert "with causes" not in words["consistent"]
+
+
+def test_the_way_from_the_data_sheet_is_shown() -> None:
+    for case in ("explained", "consistent"):
+        words = " ".join(" ".join(Reader(page(case)).words).split())
+        assert "8.25 7.50" + " 1.12" * (case == "explained") in words
+        assert "link mass (link 5), factor 1.0000 ± 0.0030 1.0000" in words
+    gaps = document(diagnosis("explained"), NAMES)["gap"]["holdout"]
+    assert list(gaps) == ["nominal", "before", "after", "floor"] and gaps["before"] > gaps["after"]
+
+
+@pytest.mark.parametrize("case", VERDICTS)
+def test_the_answer_has_the_keys_that_stay_and_those_of_version_0_1(case: str) -> None:
+    answer = document(diagnosis(case), NAMES, channels=CHANNELS)
+    GapDiagnose.model_validate(answer)
+    assert set(STAYING.split()) <= set(answer)
+    assert set(["train", "holdout", "closure", "closure_interval", "fidelity_alone"]) <= set(answer["gap"])
+    made, left = answer["provenance"], answer["remainder"]
+    assert answer["pushes"] == answer["residual_forces"]
+    assert answer["unexplained"] == (left and {**left, "learn_from": left["train_with"]})
+    assert made["recordings"]["learnt_in_part"] == made["recordings"]["trained_in_part"] == []
+    assert [made["hinges"][key] for key in ("contest", "predictions", "fidelity", "check")] == [3, 3, 4, 4]
 
 
 def test_of_a_part_that_is_explained_the_causes_that_are_sure_are_named() -> None:
@@ -235,12 +262,13 @@ def test_gaps_before_and_after_are_those_of_the_residuals() -> None:
             counts[channel.group] = counts.get(channel.group, 0) + int(np.isfinite(channel.measured).sum())
         total = sum(counts[name] * getattr(change, side) ** 2 for name, change in view.by_group.items())
         assert total == pytest.approx(float(residuals[data.held_out] @ residuals[data.held_out]), rel=1e-12)
-    shown = (view.data.measured - view.nominal) * found.model.noise.weight
+    shown = (view.data.measured - view.built) * found.model.noise.weight
     assert np.nanmax(np.abs(shown - found.nominal)) < 1e-6
 
 
 def test_the_file_is_written(tmp_path: Path) -> None:
-    write_diagnosis(diagnosis("explained"), NAMES, tmp_path / "page.html")
+    found = diagnosis("explained")
+    write_diagnosis(found, document(found, NAMES), tmp_path / "page.html")
     text = (tmp_path / "page.html").read_text()
     assert text.startswith("<!DOCTYPE html>")
     assert text.rstrip().endswith("</html>")

@@ -48,7 +48,7 @@ def by_axis(view: View) -> dict[str, list[Change]]:
 
 
 def dumbbells(name: str, title: str, changes: Sequence[Change], values: Sequence[float], corrected: bool) -> Markup:
-    """One row per part: nominal and corrected gap, joined.
+    """One row per part: gaps as built and with causes, joined.
 
     Args:
         values: that the axis must hold, so that pictures side by side have one scale.
