@@ -319,6 +319,7 @@ class Gaps(Part):
     closure: Number
     closure_interval: list[Number]
     fidelity_alone: Number
+    simplest_model: Number
 
 
 class Where(Part):

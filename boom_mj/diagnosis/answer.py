@@ -66,6 +66,7 @@ def document(
             "closure": found.closure.value,
             "closure_interval": [found.closure.low, found.closure.high],
             "fidelity_alone": found.fidelity_alone,
+            "simplest_model": found.simplest,
             "split_in_time": data.split_in_time,
         },
         "nuisances": _nuisances(found),

@@ -39,6 +39,7 @@ class Diagnosis:
         model: the healthy machine, about which all this is said.
         odds: probabilities of the scored candidates, in their order, and of what else there is.
         skipped: what was not looked at for want of time.
+        simplest: held-out gap that the simplest model leaves, with the explanation or without; None where not tried.
     """
 
     verdict: str
@@ -53,6 +54,7 @@ class Diagnosis:
     model: Linearisation
     odds: Odds
     skipped: tuple[str, ...] = ()
+    simplest: float | None = None
 
     @property
     def criteria(self) -> Criteria:
@@ -226,7 +228,19 @@ def _concluded(
         model,
         odds(nominal, scored, model),
         clock.skipped,
+        simplest_gap(model, best) if verdict in ("unexplained", "partial") else None,
     )
+
+
+def simplest_gap(model: Linearisation, best: Scored | None) -> float | None:
+    """Held-out gap of the simplest model, without causes and with the best explanation, whichever is less."""
+    level = model.facts.fidelity.simplest
+    if level is None:
+        return None
+    hypotheses = [(), *([best.fit.effects] if best else [])]
+    said = model.predictor.predict(hypotheses, level)
+    left = [model.clean(model.noise.white(model.data.measured - one)) for one in said]
+    return min(gap(one, model.data.held_out) for one in left)
 
 
 def held_out_closure(model: Linearisation, before: Array, after: Array) -> Closure:

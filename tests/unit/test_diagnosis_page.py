@@ -326,6 +326,14 @@ def test_a_part_of_a_recording_held_out_that_trained_as_well_is_told() -> None:
     assert parts == ["training", "held out", "training: the first 60\N{NO-BREAK SPACE}%; the rest held out"]
 
 
+def test_recordings_of_one_hinge_are_told_to_be_simulated() -> None:
+    for case, size, shown in (("unexplained", 0.99, True), ("unexplained", 1.5, False), ("partial", 0.99, True)):
+        found = replace(diagnosis(case), simplest=size)
+        assert ("one hinge per elastic coordinate" in sentence(found)) == shown
+        assert document(found, NAMES)["gap"]["simplest_model"] == size
+    assert "one hinge" not in sentence(diagnosis("unexplained"))
+
+
 def test_what_surely_leaves_some_of_a_small_gap_is_no_explanation() -> None:
     near_noise, loud = (scored(model_of(2), PAYLOAD, size) for size in (1.0, 2.0))
     whole, most = Closure(1.0, 0.9, 1.1), Closure(0.73, 0.55, 0.90)

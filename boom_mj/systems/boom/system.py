@@ -44,7 +44,13 @@ ROUGH = COARSE = Level(2.0, 2)  # flanks of play diverge at steps of 20 ms
 MIDDLE, FINE, SHARP = Level(2.0, 3), Level(2.0, 4), Level(1.0, 3)  # more hinges, half the step: of first order in it
 SHOWN = Level(1.0, 4)  # nearest to what both checks add up to, and what `replay --hinges 4` simulates
 FIDELITY = FidelityLadder(
-    ROUGH, COARSE, MIDDLE, (Refinement(FINE, 1.0, 1.0), Refinement(SHARP, 2.0, 1.0)), SHOWN, along=0.5
+    ROUGH,
+    COARSE,
+    MIDDLE,
+    (Refinement(FINE, 1.0, 1.0), Refinement(SHARP, 2.0, 1.0)),
+    SHOWN,
+    along=0.5,
+    simplest=Level(1.0, 1),
 )
 BLOCK_S, CORRELATION_S = 0.1, 5.0
 BANDS_HZ = (("static", 0.2), ("first mode", 0.8), ("second mode", 2.5), ("above", np.inf))
@@ -79,6 +85,7 @@ class BoomSystem:
                 first_part=f"the first {FIRST:.0%}",
                 finer="more hinges",
                 zero_offset=OFFSET,
+                simplest="one hinge per elastic coordinate, as `simulate` makes it without --hinges 4,",
                 frames="Accelerometers and gyroscopes: x along the link, y up, z to the side. Markers: world, z up.",
             ),
             split=lambda time, lasts: time < FIRST * lasts,
