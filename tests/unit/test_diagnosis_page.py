@@ -4,11 +4,14 @@ import re
 from dataclasses import replace
 from functools import cache
 from html.parser import HTMLParser
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
+from boom_mj.api import Answer
 from boom_mj.cli.documents import GapDiagnose
 from boom_mj.diagnosis import Diagnosis, document
 from boom_mj.diagnosis.budget import odds
@@ -23,6 +26,7 @@ from boom_mj.diagnosis.screening import Screened
 from boom_mj.diagnosis.sentences import sentence
 from boom_mj.diagnosis.steps import ChannelSteps
 from boom_mj.effects import make_effect
+from boom_mj.errors import InputError
 from boom_mj.estimation.bootstrap import Closure, gap
 from boom_mj.estimation.linear import LinearPosterior
 from boom_mj.estimation.noise import NoiseModel
@@ -332,6 +336,22 @@ def test_recordings_of_one_hinge_are_told_to_be_simulated() -> None:
         assert ("one hinge per elastic coordinate" in sentence(found)) == shown
         assert document(found, NAMES)["gap"]["simplest_model"] == size
     assert "one hinge" not in sentence(diagnosis("unexplained"))
+
+
+def test_an_answer_draws_into_axes_and_makes_tables() -> None:
+    answer = Answer(BOOM, diagnosis("explained"), NAMES)
+    answer.__dict__["document"] = document(answer.found, NAMES, channels=CHANNELS)  # without simulating it
+    axes = Figure().subplots()
+    answer.draw_gaps(axes)
+    assert len(axes.get_yticks()) == len(View(answer.found, NAMES, answer.document).groups)
+    with pytest.raises(InputError, match=r"no table 'effect'; it has effects, .*channels"):
+        answer.to_frame("effect")
+    if find_spec("pandas"):
+        assert list(answer.to_frame("channels").with_causes) == [1.125] * 3
+        assert answer.to_frame().loc[0, "parameters.mass.unit"] == "kg"
+    else:
+        with pytest.raises(InputError, match="pandas"):
+            answer.to_frame()
 
 
 def test_what_surely_leaves_some_of_a_small_gap_is_no_explanation() -> None:

@@ -7,7 +7,7 @@ from typing import Any
 from boom_mj.diagnosis import Diagnosis
 from boom_mj.files import write_text
 from boom_mj.report.diagnosis import change, ladder, left, machine, overlays, steps, verdict, where
-from boom_mj.report.diagnosis.view import View
+from boom_mj.report.diagnosis.view import view_of
 from boom_mj.report.templating import page_environment
 from boom_mj.report.words import effect_name, gap_size, number, percent
 
@@ -25,8 +25,7 @@ def write_diagnosis(found: Diagnosis, answer: Mapping[str, Any], path: Path) -> 
 
 def diagnosis_page(found: Diagnosis, answer: Mapping[str, Any]) -> str:
     """The page as text."""
-    logs = answer["provenance"]["recordings"]
-    view = View(found, (*logs["train"], *logs["holdout"]), answer)
+    view = view_of(found, answer)
     head, *sections = (module.section(view) for module in (verdict, *SECTIONS))
     environment = page_environment(
         "boom_mj.report.diagnosis",

@@ -193,5 +193,11 @@ class View:
         return [change for change in changes if np.isfinite(change.before)]
 
 
+def view_of(found: Diagnosis, answer: Mapping[str, Any]) -> View:
+    """A diagnosis and its document."""
+    logs = answer["provenance"]["recordings"]
+    return View(found, (*logs["train"], *logs["holdout"]), answer)
+
+
 def _axes(place: ChannelPlace) -> tuple[str, str, str]:
     return place.sensor, place.part, place.direction
