@@ -4,7 +4,7 @@ pip install "mujoco[sysid]"; python benchmarks/calibration_sysid.py
 
 `mujoco.sysid` starts every simulation from a given state and takes one table of samples. So: boom36 without gravity (it
 rests straight, whatever its stiffness), the T-shaped pose, joint 1 moves and stops, IMUs with noise; unknown are E_z of
-the four links and the damping. Both have the same model with as many hinges, the same joint angles and noise, one thread.
+the four links and the damping. Both have the same model, joint angles and noise, one thread.
 """
 
 import time
