@@ -3,8 +3,6 @@
 import inspect
 import json
 import math
-import sys
-import time
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -14,11 +12,13 @@ from boom_mj.cli import blind, watch
 from boom_mj.cli.arguments import (
     AsJson,
     EffectFiles,
+    check_machine,
     find_machine,
     machine_text,
     output_folder,
     output_path,
     printable,
+    stopwatch,
 )
 from boom_mj.cli.many_logs import ManyLogs
 from boom_mj.errors import InputError
@@ -170,10 +170,7 @@ def diagnose(
     from boom_mj.systems.predictor import Predictor, dataset_of
     from boom_mj.systems.system import Corrects, System
 
-    if model is not None and channels is None:
-        raise InputError("--model needs a channel map: say which field of the log is what with --map MAP.toml")
-    if channels is not None and machine is not None:
-        raise InputError("--machine goes with booms only; with --map the model is --model MODEL.xml")
+    check_machine(machine, channels, model)
     table = None if as_json in (None, "-") else Path(str(as_json))
     for path, suffix in ((html, ".html"), (output, ".xml" if channels else ".toml"), (table, None)):
         if path is not None:
@@ -187,11 +184,7 @@ def diagnose(
             raise InputError(f"--without {name}: the library holds {', '.join(effect_library())}")
     paths, wells = [*logs, *(holdout or ())], list(healthy or ())
     recordings = [] if channels else [read_log(path) for path in paths]
-    began = time.perf_counter()
-
-    def tell(line: str) -> None:
-        print(f"{time.perf_counter() - began:6.1f} s  {line}", file=sys.stderr)
-
+    tell = stopwatch()
     system: System
     findings: tuple[DataFinding, ...] = ()
     if channels is not None:

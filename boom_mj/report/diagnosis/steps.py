@@ -23,10 +23,13 @@ class LogSteps:
 
 
 def section(view: View) -> Section:
+    rows = view.answer["channels"]
     facts = {
         "logs": logs(view),
         "steps": shown(view),
         "corrected": view.corrected,
+        "all": len(rows),
+        "worse": sum(row["with_causes"] - row["data_sheet"] > row["uncertainty"] for row in rows),
         "nuisances": [_row(size) for size in view.answer["nuisances"]],
         "replay": _command(view),
     }
