@@ -35,12 +35,12 @@ def document(
     gap, are listed as "suspect". Shares of budget, remainder and floor add up to 1.
     """
     data, best, raw = found.model.data, found.best, found.model.residual(found.model.base)
-    cells = locate(found.model, found.nominal)
+    cells = locate(found.model, found.as_built)
     after = found.residual
     gaps = {
         part: {
             "nominal": gap(raw, rows),
-            "before": gap(found.nominal, rows),
+            "before": gap(found.as_built, rows),
             "after": gap(after, rows),
             "floor": 1.0,
         }
@@ -136,7 +136,7 @@ def _budget(found: Diagnosis) -> list[dict[str, Any]]:
 
 def _remainder(found: Diagnosis) -> dict[str, Any]:
     """What is left above the floor, what it looks like, where it lies, and which recordings would teach more."""
-    whole = gap(found.nominal, found.model.data.held_out) ** 2
+    whole = gap(found.as_built, found.model.data.held_out) ** 2
     left = gap(found.residual, found.model.data.held_out) ** 2
     return {
         "share": max(left - 1, 0.0) / whole,

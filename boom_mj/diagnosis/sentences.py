@@ -34,10 +34,10 @@ def rival(found: Diagnosis, other: Scored) -> dict[str, Any]:
 def sentence(found: Diagnosis) -> str:
     """The verdict in words."""
     data = found.model.data
-    before = gap(found.nominal, data.held_out)
+    before = gap(found.as_built, data.held_out)
     if found.verdict == "consistent":
         return f"No gap beyond noise and model error: {before:.2f} on what was held out, 1 is the floor."
-    where = in_words(locate(found.model, found.nominal))
+    where = in_words(locate(found.model, found.as_built))
     if found.verdict == "unexplained":
         leaves = f"close {found.closure.value:.0%} and leave {found.best.held_out:.1f}" if found.best else ""
         tried = f"; {found.best.label} would {leaves}" if found.best else ""

@@ -140,7 +140,7 @@ def test_friction_left_out_never_comes_back_as_damping() -> None:
 
 def test_where_it_lies() -> None:
     found = diagnosis("imu_bias:link=4,accelerometer_y=0.15")
-    cells = locate(found.model, found.nominal)
+    cells = locate(found.model, found.as_built)
     assert sum(cell.share for cell in cells) == pytest.approx(1)
     first = cells[0]
     assert (first.sensor, first.link, first.direction, first.band) == ("accelerometer", "link4", "y", "static")

@@ -259,7 +259,7 @@ def test_of_a_part_that_is_explained_the_causes_that_are_sure_are_named() -> Non
 def test_gaps_before_and_after_are_those_of_the_residuals() -> None:
     found = diagnosis("explained")
     view, data = View(found, NAMES, {}), found.model.data
-    for residuals, side in ((found.nominal, "before"), (found.best.fit.residual, "after")):
+    for residuals, side in ((found.as_built, "before"), (found.best.fit.residual, "after")):
         rows = [c for c in data.channels if c.recording == 2]
         counts: dict[str, int] = {}
         for channel in rows:
@@ -267,7 +267,7 @@ def test_gaps_before_and_after_are_those_of_the_residuals() -> None:
         total = sum(counts[name] * getattr(change, side) ** 2 for name, change in view.by_group.items())
         assert total == pytest.approx(float(residuals[data.held_out] @ residuals[data.held_out]), rel=1e-12)
     shown = (view.data.measured - view.built) * found.model.noise.weight
-    assert np.nanmax(np.abs(shown - found.nominal)) < 1e-6
+    assert np.nanmax(np.abs(shown - found.as_built)) < 1e-6
 
 
 def test_the_file_is_written(tmp_path: Path) -> None:
@@ -307,7 +307,7 @@ def test_what_only_recordings_held_out_show_is_to_train_with() -> None:
     found = diagnosis(VERDICTS[-1])
     assert not found.not_trained
     data = found.model.data
-    hidden = replace(found, nominal=np.where(data.train, residual(found.model, 1.0), found.nominal))
+    hidden = replace(found, as_built=np.where(data.train, residual(found.model, 1.0), found.as_built))
     (index,) = hidden.not_trained
     name = data.recordings[index].name
     assert index == 2 and f"train with {name} as well" in sentence(hidden)

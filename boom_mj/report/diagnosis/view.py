@@ -68,12 +68,12 @@ class View:
     @property
     def before(self) -> Array:
         """Whitened residual of the machine as built, (N,)."""
-        return self.found.nominal
+        return self.found.as_built
 
     @property
     def after(self) -> Array:
         """Whitened residual of the best explanation, (N,); that of the machine as built where there is none."""
-        return self.found.best.fit.residual if self.found.best else self.found.nominal
+        return self.found.best.fit.residual if self.found.best else self.found.as_built
 
     @cached_property
     def built(self) -> Array:
