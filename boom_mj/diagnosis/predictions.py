@@ -6,7 +6,7 @@ from boom_mj.diagnosis.diagnose import Diagnosis
 from boom_mj.diagnosis.linearisation import of_size
 from boom_mj.effects import Effect
 from boom_mj.recording import Recording
-from boom_mj.systems.as_built import AsBuilt
+from boom_mj.systems.as_built import AsBuilt, nominal_system
 from boom_mj.systems.predictor import Predictor
 from boom_mj.systems.system import Hypothesis, Nuisance
 
@@ -48,8 +48,8 @@ def steps(found: Diagnosis) -> dict[str, Hypothesis]:
 
 def nominal_predictor(found: Diagnosis) -> Predictor:
     """Of the machine as its file is, whatever healthy recordings say of it."""
-    predictor, system = found.model.predictor, found.model.system
-    return Predictor(system.system, predictor.data) if isinstance(system, AsBuilt) else predictor
+    predictor, nominal = found.model.predictor, nominal_system(found.model.system)
+    return predictor if nominal is predictor.system else Predictor(nominal, predictor.data)
 
 
 def simulated_recording(predictor: Predictor, effects: Hypothesis, index: int) -> Recording:

@@ -25,6 +25,11 @@ from boom_mj.systems.system import (
 Array = np.ndarray
 
 
+def nominal_system(system: System) -> System:
+    """The machine as its file is, whatever is known of how it was built."""
+    return system.system if isinstance(system, AsBuilt) else system
+
+
 class AsBuilt:
     """Another system of which every hypothesis has some effects besides.
 

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from boom_mj.api import Answer
 from boom_mj.cli.documents import GapDiagnose
-from boom_mj.diagnosis import Diagnosis, document
+from boom_mj.diagnosis import Diagnosis, document, nominal_predictor, steps
 from boom_mj.diagnosis.budget import odds
 from boom_mj.diagnosis.candidate import Candidate
 from boom_mj.diagnosis.criteria import BOOM as CRITERIA
@@ -37,6 +37,7 @@ from boom_mj.report import write_diagnosis
 from boom_mj.report.diagnosis.page import SECTIONS, diagnosis_page
 from boom_mj.report.diagnosis.view import View
 from boom_mj.report.words import digits_of, gap_size, number, percent, spoken
+from boom_mj.systems.as_built import AsBuilt
 from boom_mj.systems.boom import BoomSystem
 from boom_mj.systems.predictor import Predictor, dataset_of
 
@@ -268,6 +269,17 @@ def test_gaps_before_and_after_are_those_of_the_residuals() -> None:
         assert total == pytest.approx(float(residuals[data.held_out] @ residuals[data.held_out]), rel=1e-12)
     shown = (view.data.measured - view.built) * found.model.noise.weight
     assert np.nanmax(np.abs(shown - found.as_built)) < 1e-6
+
+
+def test_a_machine_that_healthy_recordings_inform_has_a_page() -> None:
+    found, softer = diagnosis("explained"), make_effect("link_stiffness", {"link": 3, "axis": "v", "factor": 0.97})
+    built = Predictor(AsBuilt(found.model.system, (softer,)), found.model.data, threads=1)
+    found = replace(found, model=replace(found.model, predictor=built))
+    assert nominal_predictor(found).system is predictor(2).system
+    assert (
+        steps(found)["data_sheet"] == () and [steps(found)[s][0] for s in ("as_built", "with_causes")] == [softer] * 2
+    )
+    assert "On the machine" in diagnosis_page(found, document(found, NAMES))
 
 
 def test_the_file_is_written(tmp_path: Path) -> None:
