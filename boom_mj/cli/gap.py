@@ -8,18 +8,16 @@ from typing import Annotated, Any
 
 import typer
 
-from boom_mj.cli import blind, watch
+from boom_mj.cli import blind, discover, watch
 from boom_mj.cli.arguments import (
     AsJson,
     EffectFiles,
-    check_machine,
-    find_machine,
-    machine_text,
     output_folder,
     output_path,
     printable,
     stopwatch,
 )
+from boom_mj.cli.gap_data import load_gap_data
 from boom_mj.cli.many_logs import ManyLogs
 from boom_mj.errors import InputError
 from boom_mj.files import locked, write_text
@@ -27,6 +25,7 @@ from boom_mj.files import locked, write_text
 app = typer.Typer(help="Diagnose the gap between simulator and machine.", no_args_is_help=True)
 app.add_typer(blind.app, name="blind")
 app.command("watch", cls=ManyLogs)(watch.command)
+app.command("discover", cls=ManyLogs)(discover.command)
 
 
 @app.command()
@@ -163,14 +162,10 @@ def diagnose(
     from boom_mj.diagnosis import Diagnosis, built_with, causes, channel_steps, document
     from boom_mj.diagnosis import diagnose as find
     from boom_mj.diagnosis.clock import Clock
-    from boom_mj.diagnosis.healthy import as_built
     from boom_mj.effects import effect_library
-    from boom_mj.logs import read_log
-    from boom_mj.replay.quality import DataFinding
-    from boom_mj.systems.predictor import Predictor, dataset_of
-    from boom_mj.systems.system import Corrects, System
+    from boom_mj.systems.predictor import Predictor
+    from boom_mj.systems.system import Corrects
 
-    check_machine(machine, channels, model)
     table = None if as_json in (None, "-") else Path(str(as_json))
     for path, suffix in ((html, ".html"), (output, ".xml" if channels else ".toml"), (table, None)):
         if path is not None:
@@ -182,34 +177,11 @@ def diagnose(
     for name in without or ():
         if name not in effect_library():
             raise InputError(f"--without {name}: the library holds {', '.join(effect_library())}")
-    paths, wells = [*logs, *(holdout or ())], list(healthy or ())
-    recordings = [] if channels else [read_log(path) for path in paths]
-    tell = stopwatch()
-    system: System
-    findings: tuple[DataFinding, ...] = ()
-    if channels is not None:
-        from boom_mj.systems.mjcf import load_mjcf
-
-        system, data = load_mjcf(logs, holdout or (), channels, model)
-        if wells:
-            system, well = load_mjcf(wells, wells, channels, model)
-            system = as_built(system, well.recordings[: well.training], Clock(tell=tell))
-            data = dataset_of(system, data.recordings, data.training)
-        names = [log.name for log in data.recordings]
-    else:
-        from boom_mj.systems.boom import BoomSystem
-        from boom_mj.systems.boom.load import checked_data
-
-        name = machine or recordings[0].machine
-        if not name:
-            raise InputError(f"{paths[0]}: the log does not name its machine; say which with --machine")
-        system = boom = BoomSystem(find_machine(name), machine_text(name))
-        if wells:
-            system = as_built(boom, [read_log(path) for path in wells], Clock(tell=tell))
-        checked = checked_data(boom, recordings, len(logs), list(map(str, paths)), built=system, strict=strict)
-        data, names, findings = checked.data, list(checked.names), checked.findings
-        for finding in findings:
-            tell(printable(finding.sentence))
+    paths, tell = [*logs, *(holdout or ())], stopwatch()
+    given = load_gap_data(logs, holdout or [], machine, channels, model, healthy or [], strict, tell)
+    system, data, names, findings = given.system, given.data, given.names, given.findings
+    for finding in findings:
+        tell(printable(finding.sentence))
     clock = Clock(seconds, tell)
 
     def keep(so_far: Diagnosis) -> None:
@@ -251,6 +223,7 @@ def _summary(answer: dict[str, Any]) -> str:
         lines.append(f"  share of {_named(row)}: {row['share']:.0%}   95 %: {low:.0%} .. {high:.0%}")
     if answer["remainder"]:
         lines.append(f"  left above the floor: {answer['remainder']['share']:.0%}, {answer['remainder']['looks_like']}")
+        lines.append("  gap discover looks for a law that the library lacks")
     if answer["next_experiment"]:
         lines.append(f"  next experiment: {answer['next_experiment']}")
     for what in answer["skipped"][:4]:

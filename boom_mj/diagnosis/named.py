@@ -22,12 +22,11 @@ def described(found: Diagnosis) -> list[dict[str, Any]]:
         parameters = {}
         for number, (owner, name, parameter) in enumerate(parameters_of):
             if owner == k:
-                middle, reach = best.fit.scaled[number], Z95 * best.deviation[number]
-                ends = sorted(parameter.value(middle + side * reach) for side in (-1, 1))
+                value, low, high = interval_of(best, number)
                 parameters[name] = {
-                    "value": effect.values[name],
-                    "low": ends[0],
-                    "high": ends[1],
+                    "value": value,
+                    "low": low,
+                    "high": high,
                     "unit": parameter.unit,
                     **({} if parameter.plausible(effect.values[name]) else {"implausible": True}),
                 }
@@ -44,6 +43,14 @@ def described(found: Diagnosis) -> list[dict[str, Any]]:
             }
         )
     return entries
+
+
+def interval_of(scored: Scored, number: int) -> tuple[float, float, float]:
+    """A parameter's value, and the ends of its 95 % interval."""
+    owner, name, parameter = scored.fit.candidate.parameters[number]
+    middle, reach = scored.fit.scaled[number], Z95 * scored.deviation[number]
+    low, high = sorted(parameter.value(middle + side * reach) for side in (-1, 1))
+    return scored.fit.effects[owner].values[name], low, high
 
 
 def _of_latent(best: Scored, effect: Effect, parameters: Mapping[str, Any]) -> dict[str, Any]:

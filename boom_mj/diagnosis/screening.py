@@ -6,7 +6,7 @@ J^T r . w / <r, r> of the training misfit. All candidates go in one batch, and w
 what the two have in common is known: the nuisances, and the effects that the machine has already.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -19,6 +19,7 @@ from boom_mj.estimation.least_squares import OPTIONS
 from boom_mj.systems.system import LinearResponse
 
 Array = np.ndarray
+Part = slice | Array
 PART = 32  # columns that are multiplied at once
 
 
@@ -88,20 +89,11 @@ class Screening:
 
     def rank(self, residual: Array) -> list[Screened]:
         """Candidates by the share of a whitened residual that they may explain, best first, each at its best point."""
-        posterior, budget = self.model.posterior, self.model.budget
-        left, estimate = posterior.left(residual)
-        count, free = len(estimate), posterior.free(estimate)  # a nuisance at its limit does not follow
-        prior = np.r_[np.ones(count), np.full(self.follow.shape[1] - count, OPTIONS.prior**-2)]
-        follow, prior = (part[..., np.r_[free, np.ones(len(prior) - count, bool)]] for part in (self.follow, prior))
-        across = self._onto(follow)  # (k, c)
-        following = np.linalg.solve(np.diag(prior) + follow.T @ follow, across)
-        slopes = self._onto(left[:, None])[0] - (left @ follow) @ following
-        whole = float(left @ left)
+        budget = self.model.budget
+        slopes, curvature, whole = self.normal_equations(residual)
         found: dict[tuple, list[Screened]] = {}
         for (kind, site, group), part in zip(self.rows, self.stretches):
-            square = self.columns[:, part].T @ self.columns[:, part] - across[:, part].T @ following[:, part]
-            curvature = square + np.eye(len(group)) / budget.weight_prior**2
-            weights = np.linalg.solve(curvature, slopes[part])
+            weights = np.linalg.solve(curvature(part, part) + np.eye(len(group)) / budget.weight_prior**2, slopes[part])
             values = kind.combine(site, group, weights)
             effect = kind(site, **values)
             share = float(slopes[part] @ weights / whole) if _acts(effect, values) else 0.0
@@ -118,6 +110,24 @@ class Screening:
                     starts.append(other)
             ranked.append(replace(best, others=tuple(starts[1:])))
         return sorted(ranked, key=lambda s: -s.share)
+
+    def normal_equations(self, residual: Array) -> tuple[Array, Callable[[Part, Part], Array], float]:
+        """Slopes J^T r of a whitened residual (N,), (c,), blocks of J^T J by their columns, and <r, r>.
+
+        All of it in the inner product of what follows: nuisances, but those at a limit, and the effects given.
+        """
+        posterior = self.model.posterior
+        left, estimate = posterior.left(residual)
+        count, free = len(estimate), posterior.free(estimate)
+        prior = np.r_[np.ones(count), np.full(self.follow.shape[1] - count, OPTIONS.prior**-2)]
+        follow, prior = (part[..., np.r_[free, np.ones(len(prior) - count, bool)]] for part in (self.follow, prior))
+        across = self._onto(follow)  # (k, c)
+        following = np.linalg.solve(np.diag(prior) + follow.T @ follow, across)
+
+        def curvature(rows: Part, columns: Part) -> Array:
+            return self.columns[:, rows].T @ self.columns[:, columns] - across[:, rows].T @ following[:, columns]
+
+        return self._onto(left[:, None])[0] - (left @ follow) @ following, curvature, float(left @ left)
 
     def _onto(self, vectors: Array) -> Array:
         """Products of vectors (training, k) with all columns, (k, c); in parts, whose copies are small."""

@@ -2,7 +2,7 @@
 
 from boom_mj.cli.documents.blind import GapBlindMake, GapBlindRun, GapBlindScore
 from boom_mj.cli.documents.calibration import Calibrate, CalibratePlan
-from boom_mj.cli.documents.gap import GapCriteria, GapDiagnose, GapEffects, GapWatch
+from boom_mj.cli.documents.gap import GapCriteria, GapDiagnose, GapDiscover, GapEffects, GapWatch
 from boom_mj.cli.documents.logs import LogsCheck, LogsInspect
 from boom_mj.cli.documents.models import Generate, Render, Replay, Simulate, Sweep, Track, Validate, View
 from boom_mj.cli.documents.part import Part as Part
@@ -19,6 +19,7 @@ DOCUMENTS: dict[str, tuple[type[Part], ...]] = {
     "logs inspect": (LogsInspect,),
     "logs check": (LogsCheck,),
     "gap diagnose": (GapDiagnose,),
+    "gap discover": (GapDiscover,),
     "gap effects": (GapEffects,),
     "gap criteria": (GapCriteria,),
     "gap watch": (GapWatch,),

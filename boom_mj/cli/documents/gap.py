@@ -182,6 +182,53 @@ class GapWatch(Part):
     effects: list[NamedCause]
 
 
+class Formula(Part):
+    """A law with its numbers in it."""
+
+    formula: str
+    place: dict[str, Any]
+    acts_on: str
+    terms: list[str]
+    holdout_gap: Number
+
+
+class Law(Part):
+    """The law of a discovery."""
+
+    place: dict[str, Any]
+    acts_on: str
+    formula: str
+    terms: list[str]
+    parameters: dict[str, SizedParameter]
+    same_as: str | None
+    """Id of the effect in the library that does the same."""
+
+
+class LawGaps(Part):
+    """Gaps in units of noise."""
+
+    train: Levels
+    holdout: Levels
+    closure: Number
+    closure_interval: list[Number]
+
+
+class GapDiscover(Part):
+    """gap discover LOGS... --json FILE"""
+
+    verdict: Literal["law", "none"]
+    sentence: str
+    law: Law | None
+    gap: LawGaps
+    front: list[Formula]
+    """The best of every length."""
+    ties: list[Formula]
+    data: list[Finding]
+    complete: bool
+    skipped: list[str]
+    provenance: dict[str, Any]
+
+
 class EffectParameter(Part):
     """A parameter of an effect in the library."""
 

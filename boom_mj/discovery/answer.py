@@ -1,0 +1,106 @@
+"""The answer of a discovery as one document of plain data."""
+
+from collections.abc import Sequence
+from importlib.metadata import version
+from typing import Any
+
+from boom_mj.diagnosis.answer import plain
+from boom_mj.diagnosis.diagnose import held_out_closure
+from boom_mj.diagnosis.named import brief
+from boom_mj.discovery.discover import Discovery
+from boom_mj.discovery.search import FoundLaw
+from boom_mj.discovery.writing import intervals, law_type, with_numbers
+from boom_mj.estimation.bootstrap import gap
+from boom_mj.replay.quality import DataFinding
+
+
+def document(found: Discovery, names: Sequence[str], findings: Sequence[DataFinding] = ()) -> dict[str, Any]:
+    """Verdict, law, gaps, the front of laws by length, and what the library does."""
+    data, best = found.model.data, found.best
+    after = best.residual if best else found.nominal
+    gaps = {
+        part: {"before": gap(found.nominal, rows), "after": gap(after, rows), "floor": 1.0}
+        for part, rows in (("train", data.train), ("holdout", data.held_out))
+    }
+    share = found.closure
+    law = {**_law(best), "same_as": _effect(found.same_as)} if best and found.verdict == "law" else None
+    answer = {
+        "verdict": found.verdict,
+        "sentence": sentence(found),
+        "law": law,
+        "gap": {**gaps, "closure": share.value, "closure_interval": [share.low, share.high]},
+        "front": [_row(one) for one in found.front],
+        "ties": [_row(one) for one in found.ties],
+        "places": [
+            {"place": one.place.named, "acts_on": one.place.acts_on, "closure": _closure(found, one)}
+            for one in found.places
+        ],
+        "library": None
+        if found.library is None
+        else {**brief(found.library.fit.effects), "holdout_gap": found.library.held_out},
+        "data": [finding.document() for finding in findings],
+        "complete": not found.skipped,
+        "skipped": list(found.skipped),
+        "provenance": {
+            "machine": found.model.facts.name,
+            "recordings": {"train": list(names[: data.training]), "holdout": list(names[data.training :])},
+            "simulated_s": found.model.predictor.simulated_s,
+            "boom_mj": version("boom_mj"),
+            "mujoco": version("mujoco"),
+        },
+    }
+    return plain(answer)
+
+
+def _closure(found: Discovery, law: FoundLaw) -> float:
+    """Of the held-out gap."""
+    return held_out_closure(found.model, found.nominal, law.residual).value
+
+
+def _law(law: FoundLaw) -> dict[str, Any]:
+    effect = law.scored.fit.effects[0]
+    parameters = {
+        name: {"value": value, "low": low, "high": high, "unit": effect.declared[name].unit}
+        for name, (value, low, high) in intervals(law).items()
+    }
+    return {
+        "place": law.place.named,
+        "acts_on": law.place.acts_on,
+        "formula": law_type(law).formula,
+        "terms": [term.name for term in law.terms],
+        "parameters": parameters,
+    }
+
+
+def _row(law: FoundLaw) -> dict[str, Any]:
+    return {
+        "formula": with_numbers(law),
+        "place": law.place.named,
+        "acts_on": law.place.acts_on,
+        "terms": [term.name for term in law.terms],
+        "holdout_gap": law.held_out,
+    }
+
+
+def _effect(scored: Any) -> str | None:
+    return scored.fit.effects[0].id if scored else None
+
+
+def sentence(found: Discovery) -> str:
+    """What was found, in words."""
+    data, best, share = found.model.data, found.best, found.closure
+    if best is None:
+        size = gap(found.nominal, data.held_out)
+        return f"There is nothing to discover: the held-out gap is {size:.2f}, where noise alone leaves 1."
+    law = f"{with_numbers(best)}, on {best.place.acts_on}"
+    if found.verdict == "law":
+        same = found.same_as.label if found.same_as else ""
+        known = f" The library has it: it is {same}." if same else ""
+        also = f" {len(found.ties)} other laws do as well." if found.ties else ""
+        return f"The law is {law}: it closes {share.value:.0%} of the held-out gap.{known}{also}"
+    if found.library is not None and found.library.held_out < best.held_out:
+        return (
+            f"No law: the library's {found.library.label} leaves less (a held-out gap of {found.library.held_out:.2f}) "
+            f"than the best law of this grammar ({best.held_out:.2f}); ask gap diagnose."
+        )
+    return f"No law of this grammar surely closes more than half of the gap; the best, {law}, closes {share.value:.0%}."

@@ -1,0 +1,183 @@
+"""The discovery: the place and the formula of what a machine has and neither its model nor the library has."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from boom_mj.diagnosis.candidate import everywhere
+from boom_mj.diagnosis.clock import Clock
+from boom_mj.diagnosis.decision import sure
+from boom_mj.diagnosis.diagnose import held_out_closure
+from boom_mj.diagnosis.linearisation import Linearisation, linearise
+from boom_mj.diagnosis.scoring import Scored
+from boom_mj.diagnosis.screening import Screening, spectral_lines
+from boom_mj.diagnosis.stages import refined, singles
+from boom_mj.discovery.search import MAIN_SHARE, FoundLaw, fitted, possible, replaced, sums
+from boom_mj.discovery.where import places_of
+from boom_mj.estimation.bootstrap import Closure, gap, worse_by
+from boom_mj.systems.predictor import Predictor
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Discovery:
+    """What was found.
+
+    Attributes:
+        verdict: "law" or "none".
+        best: the law, or the best of the grammar where none is one; None where there is nothing to discover.
+        front: of laws by size, each leaving less than all shorter ones, shortest first.
+        ties: other laws of no more terms that the data cannot tell from the best.
+        library: the library's effect that does best alone, None where none helps.
+        same_as: it, where it does what the law does.
+        places: of every place the law that leaves least there, the best first.
+        nominal: whitened residual of the nominal model with its nuisances, (N,).
+        model: the healthy machine.
+        skipped: what was not looked at for want of time.
+    """
+
+    verdict: str
+    best: FoundLaw | None
+    front: tuple[FoundLaw, ...]
+    ties: tuple[FoundLaw, ...]
+    library: Scored | None
+    same_as: Scored | None
+    places: tuple[FoundLaw, ...]
+    nominal: Array
+    model: Linearisation
+    skipped: tuple[str, ...] = ()
+
+    @cached_property
+    def closure(self) -> Closure:
+        """Of the held-out gap, by the best law."""
+        after = self.best.residual if self.best else self.nominal
+        return held_out_closure(self.model, self.nominal, after)
+
+
+def discover(predictor: Predictor, without: Sequence[str] = (), clock: Clock | None = None) -> Discovery:
+    """Find a law that closes a gap which no effect of the library closes.
+
+    Args:
+        predictor: of a system and its recordings.
+        without: ids of effects that are withheld from the library.
+        clock: how much time there is, and who hears one line per stage.
+    """
+    with threadpool_limits(1):  # simulations have the cores
+        return _discover(predictor, without, clock or Clock())
+
+
+def _discover(predictor: Predictor, without: Sequence[str], clock: Clock) -> Discovery:
+    clock.tell("fidelity and nuisances")
+    model = linearise(predictor)
+    raw = model.residual(model.base)
+    nominal = model.clean(raw)
+    gaps = gap(nominal, model.data.train), gap(nominal, model.data.held_out)
+    clock.tell(f"nominal gap {gaps[0]:.2f} in training, {gaps[1]:.2f} held out")
+    if max(gaps) <= model.criteria.healthy_gap:
+        return Discovery("none", None, (), (), None, None, (), nominal, model, clock.skipped)
+    places = possible(model, nominal, places_of(model))
+    clock.tell(f"{sum(len(place.terms) for place in places)} terms at {len(places)} places")
+    laws = sorted(fitted(model, sums(model, raw, places), clock), key=lambda found: found.held_out)
+    front = _front(laws)
+    best = _refined(_chosen(model, nominal, laws), gaps, clock) if laws else None
+    clock.tell("the library")
+    fall = 1 - (gap(best.residual, model.data.train) / gaps[0]) ** 2 if best else 0.0
+    library = _library(model, raw, nominal, MAIN_SHARE * fall, clock)
+    left = [one for one in library if one.fit.effects[0].id not in without]
+    same = next((one for one in library if best and _alike(model, one, best)), None)
+    named = left[0] if left else None
+    verdict = "law" if best and _is_law(model, nominal, best) else "none"
+    if best and named and named is not same and _better(model, named, best):
+        verdict = "none"
+    ties = tuple(one for one in laws if best and _tied(model, best, one))
+    return Discovery(verdict, best, front, ties, named, same, _by_place(laws), nominal, model, clock.skipped)
+
+
+def _front(laws: Sequence[FoundLaw]) -> tuple[FoundLaw, ...]:
+    """Of every number of terms the law that leaves least, where it leaves less than all shorter ones."""
+    found: list[FoundLaw] = []
+    for count in sorted({len(law.terms) for law in laws}):
+        best = min((law for law in laws if len(law.terms) == count), key=lambda law: law.held_out)
+        if not found or best.held_out < found[-1].held_out:
+            found.append(best)
+    return tuple(found)
+
+
+def _by_place(laws: Sequence[FoundLaw]) -> tuple[FoundLaw, ...]:
+    """Of laws, the best first, the first of every place."""
+    found: dict[int, FoundLaw] = {}
+    for law in laws:
+        found.setdefault(id(law.place), law)
+    return tuple(found.values())
+
+
+def _chosen(model: Linearisation, nominal: Array, laws: Sequence[FoundLaw]) -> FoundLaw:
+    """The shortest law that leaves no more than the best beyond what chance does, or beyond its own inaccuracy.
+
+    Laws with a term that may be 0 count only where there is no other.
+    """
+    laws = [law for law in laws if law.certain] or laws
+    best = min(laws, key=lambda law: _left(model, law.residual))
+    leaks = model.criteria.leakage * (_left(model, nominal) - _left(model, best.residual))
+
+    def enough(law: FoundLaw) -> bool:
+        loss, error = _loss(model, best.residual, law.residual)
+        return loss <= max(model.criteria.tie_z * error, leaks)
+
+    return min(filter(enough, laws), key=lambda law: (len(law.terms), law.size, _left(model, law.residual)))
+
+
+def _left(model: Linearisation, residual: Array) -> float:
+    """Mean square of a whitened residual in all recordings: a few numbers fit training no better than the rest."""
+    return float(np.mean(residual[model.data.train | model.data.held_out] ** 2))
+
+
+def _loss(model: Linearisation, better: Array, worse: Array) -> tuple[float, float]:
+    """By how much a residual is worse than another in all recordings, and the standard error of that."""
+    rows = model.data.train | model.data.held_out
+    return worse_by(model.data.windows[rows], better[rows], worse[rows])
+
+
+def _refined(best: FoundLaw, gaps: tuple[float, float], clock: Clock) -> FoundLaw:
+    again = refined([best.scored], gaps, clock)[0]
+    return replaced(best, again)
+
+
+def _library(model: Linearisation, raw: Array, nominal: Array, least: float, clock: Clock) -> list[Scored]:
+    """The library's effects alone, the best first, of those that promise at least a share of the training misfit."""
+    if clock.over("the library"):
+        return []
+    gaps = gap(nominal, model.data.train), gap(nominal, model.data.held_out)
+    screening = Screening(model, everywhere(model.system), spectral_lines(model, nominal))
+    promising = [one for one in screening.rank(raw) if one.share >= least]
+    return refined(singles(model, promising, clock), gaps, clock) if promising else []
+
+
+def _alike(model: Linearisation, library: Scored, best: FoundLaw) -> bool:
+    """Whether an effect of the library leaves what the law leaves, in what both change."""
+    loss, error = _loss(model, best.residual, library.fit.residual)
+    return abs(loss) <= max(model.criteria.tie_z * error, model.criteria.least_gain)
+
+
+def _better(model: Linearisation, library: Scored, best: FoundLaw) -> bool:
+    """Whether an effect of the library leaves less than the law, beyond what chance does."""
+    loss, error = _loss(model, library.fit.residual, best.residual)
+    return loss > max(model.criteria.tie_z * error, model.criteria.least_gain)
+
+
+def _tied(model: Linearisation, best: FoundLaw, other: FoundLaw) -> bool:
+    if (other.terms == best.terms and other.place is best.place) or len(other.terms) > len(best.terms):
+        return False
+    loss, error = _loss(model, best.residual, other.residual)
+    return loss <= model.criteria.tie_z * error
+
+
+def _is_law(model: Linearisation, nominal: Array, best: FoundLaw) -> bool:
+    """Whether a law surely closes most of the gap; of one near noise it must be no chance."""
+    near = gap(nominal, model.data.held_out) <= model.criteria.near_noise_gap
+    share = held_out_closure(model, nominal, best.residual)
+    return share.low > MAIN_SHARE and (not near or sure(model, nominal, best.scored))

@@ -1,0 +1,122 @@
+"""The grammar of laws: terms whose sum, at one place, a law may be.
+
+A term is linear in its coefficients; where it has a shape parameter, such as a period or a threshold, a grid of it is
+looked through first. Formulas are Python, as the file of a law holds them; {x} and {F} stand for the units of the
+place's coordinate and force, {creep} for the speed over which its dry friction changes sign, {middle} for the middle of
+its coordinate's range.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Part:
+    """A coefficient times a function of the variables."""
+
+    coefficient: str
+    function: str
+    unit: str
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A parameter that a term is not linear in.
+
+    Attributes:
+        name, unit: of the parameter.
+        grid: rule by which it is looked through: "period", "threshold" or "time".
+    """
+
+    name: str
+    unit: str
+    grid: str
+
+
+@dataclass(frozen=True)
+class Term:
+    """What a law may have, in the order of simplicity."""
+
+    name: str
+    parts: tuple[Part, ...]
+    shape: Shape | None = None
+
+
+def _term(name: str, function: str, unit: str, shape: Shape | None = None) -> Term:
+    return Term(name, (Part(name, function, unit),), shape)
+
+
+def _ripple(variable: str, unit: str, coordinate: str) -> Term:
+    turn = f"(2 * pi * {variable} / period)"
+    parts = (Part("sine", f"sin{turn}", unit), Part("cosine", f"cos{turn}", unit))
+    return Term("ripple", parts, Shape("period", coordinate, "period"))
+
+
+TAU, DRY = Shape("tau", "s", "time"), "direction(speed, {creep:g})"
+UPPER, LOWER = Shape("upper", "{x}", "threshold"), Shape("lower", "{x}", "threshold")
+DRIVE = (
+    _term("offset", "ones_like(speed)", "{F}"),
+    _term("viscous", "speed", "{F} s/{x}"),
+    _term("dry", DRY, "{F}"),
+    _term("one_way_viscous", "abs(speed)", "{F} s/{x}"),
+    _term("load_scale", "load", "1"),
+    _term("load_friction", f"abs(load) * {DRY}", "1"),
+    _term("sag", "load * abs(speed)", "s/{x}"),
+    _term("drag", "abs(speed) * speed", "{F} s^2/{x}^2"),
+    _term("spring", "(position - {middle:g})", "{F}/{x}"),
+    _term("cubic_spring", "(position - {middle:g})**3", "{F}/{x}^3"),
+    _term("drift", "time", "{F}/s"),
+    _term("upper_stop", "maximum(position - upper, 0)", "{F}/{x}", UPPER),
+    _term("lower_stop", "maximum(lower - position, 0)", "{F}/{x}", LOWER),
+    _ripple("position", "{F}", "{x}"),
+    _term("memory", "lagged(time, speed, tau)", "{F} s/{x}", TAU),
+    _term("dry_memory", f"lagged(time, {DRY}, tau)", "{F}", TAU),
+    _term("after_stop", f"lagged(time, {DRY}, tau) * (1 - abs({DRY}))", "{F}", TAU),
+)
+"""Of what drives: a cylinder, or the joint of any machine."""
+CYLINDER = (*DRIVE, _term("load_angle", "load * angle", "1/rad"))
+SENSOR = (
+    _term("scale", "reading", "1"),
+    _term("square", "reading**2", "1/({F})"),
+    _term("odd_square", "abs(reading) * reading", "1/({F})"),
+    _term("cube", "reading**3", "1/({F})^2"),
+    _term("drift", "time", "{F}/s"),
+    _term("drifting_scale", "reading * time", "1/s"),
+)
+CHANNEL = SENSOR
+IMU = (*SENSOR, _term("tilt", "angle", "{F}/rad"), _term("scale_angle", "reading * angle", "1/rad"))
+ANGLE = (
+    _term("scale", "angle", "1"),
+    _term("square", "angle**2", "1/rad"),
+    _term("cube", "angle**3", "1/rad^2"),
+    _ripple("angle", "rad", "rad"),
+    _term("upper_stop", "maximum(angle - upper, 0)", "1", Shape("upper", "rad", "threshold")),
+)
+ACTUATOR = (
+    _term("scale", "command", "1"),
+    _term("offset", "ones_like(command)", "{x}"),
+    _term("upper_dead_zone", "maximum(minimum(command, upper), 0)", "1", UPPER),
+    _term("lower_dead_zone", "minimum(maximum(command, lower), 0)", "1", LOWER),
+    _term("odd_square", "abs(command) * command", "1/({x})"),
+)
+LINK = (
+    _term("cube", "E I curvature^3", "m^2"),
+    _term("square", "E I curvature^2", "m"),
+    Term(
+        "stop",
+        (Part("stop_stiffness", "maximum(slope - stop, 0)", "N m/rad"),),
+        Shape("stop", "rad", "threshold"),
+    ),
+)
+TIP = (_term("drag", "-|velocity| velocity", "N s^2/m^2"), _term("weight", "downwards", "N"))
+GRAMMARS: Mapping[str, tuple[Term, ...]] = {
+    "CylinderLaw": CYLINDER,
+    "JointLaw": DRIVE,
+    "ChannelLaw": CHANNEL,
+    "ActuatorLaw": ACTUATOR,
+    "ImuLaw": IMU,
+    "AngleLaw": ANGLE,
+    "LinkLaw": LINK,
+    "TipLaw": TIP,
+}
+"""Terms by the kind of law."""

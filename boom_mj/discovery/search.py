@@ -1,0 +1,189 @@
+"""Which terms, at which place: laws of few terms, first by what their columns explain, then fitted and simulated.
+
+Every term is a law of its own that is screened as a candidate of the diagnosis is; sums of terms follow from the same
+normal equations, so that a law of three terms costs no further simulation until it is fitted.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from boom_mj.diagnosis.candidate import Candidate
+from boom_mj.diagnosis.clock import Clock
+from boom_mj.diagnosis.fitting import fit
+from boom_mj.diagnosis.linearisation import Linearisation
+from boom_mj.diagnosis.scoring import Scored, score
+from boom_mj.diagnosis.screening import Screening
+from boom_mj.discovery.grammar import Term
+from boom_mj.discovery.places import Place, law_class
+from boom_mj.estimation.intervals import Z95
+
+Array = np.ndarray
+MOST_TERMS = 4  # of a law: more are no short formula
+BEAM = 6  # sums of terms that are extended by one more
+PLACES = 4  # at which laws are fitted
+FITTED = 3  # laws of as many terms at a place that are fitted
+MAIN_SHARE = 0.5  # of a gap, that what causes it closes
+WEIGHT_PRIOR = 30.0  # sizes worth finding, prior deviation of a coefficient
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """A term with one shape, as it was screened."""
+
+    place: Place
+    term: Term
+    shape: float | None
+    part: slice
+
+
+@dataclass(frozen=True, eq=False)
+class Sum:
+    """Terms at a place, with the values that screening suggests and the share of the training misfit they explain."""
+
+    place: Place
+    terms: tuple[Term, ...]
+    values: dict[str, float]
+    share: float
+
+
+@dataclass(frozen=True, eq=False)
+class FoundLaw:
+    """A law, fitted: its place, its terms, how it does."""
+
+    place: Place
+    terms: tuple[Term, ...]
+    scored: Scored
+
+    @property
+    def held_out(self) -> float:
+        """Gap that it leaves."""
+        return self.scored.held_out
+
+    @property
+    def residual(self) -> Array:
+        """What it leaves, whitened, (N,)."""
+        return self.scored.fit.residual
+
+    @property
+    def certain(self) -> bool:
+        """Whether every term has a coefficient whose 95 % interval does not hold 0."""
+        sizes = {
+            name: abs(size) > Z95 * deviation
+            for (_, name, _), size, deviation in zip(
+                self.scored.fit.candidate.parameters, self.scored.fit.scaled, self.scored.deviation
+            )
+        }
+        return all(any(sizes[part.coefficient] for part in term.parts) for term in self.terms)
+
+    @property
+    def size(self) -> int:
+        """Numbers that it takes."""
+        return len(self.scored.fit.scaled)
+
+
+def possible(model: Linearisation, nominal: Array, places: Sequence[Place]) -> list[Place]:
+    """Places whose law could close most of the gap: a sensor's law can close no more than lies in its channel."""
+    data = model.data
+    excess = np.where(data.train & data.used, nominal**2 - 1, 0.0)
+    own = np.bincount(data.channel_of, excess, len(data.channels))
+    whole = max(float(own.sum()), 1e-12)
+
+    def share(place: Place) -> float:
+        mine = [k for k, c in enumerate(data.channels) if (c.signal, c.column) == place.channel]
+        return float(own[mine].sum()) / whole if place.channel else 1.0
+
+    return [place for place in places if share(place) > MAIN_SHARE]
+
+
+def sums(model: Linearisation, raw: Array, places: Sequence[Place]) -> list[list[Sum]]:
+    """The best sums of terms at every place, best place first, by size of the sum and then by share."""
+    kinds = {law_class(place, (term,)): (place, term) for place in places for term in place.terms}
+    screening = Screening(model, [(kind, place.site) for kind, (place, _) in kinds.items()], ())
+    columns = []
+    for (kind, _, group), part in zip(screening.rows, screening.stretches):
+        place, term = kinds[kind]
+        columns.append(Column(place, term, group[0].get(term.shape.name) if term.shape else None, part))
+    slopes, curvature, whole = screening.normal_equations(raw)
+    found = []
+    for place in places:
+        own = [column for column in columns if column.place is place]
+        if own:
+            numbers = np.concatenate([np.arange(c.part.start, c.part.stop) for c in own])
+            found.append(_beam(place, own, numbers, slopes[numbers], curvature(numbers, numbers), whole))
+    return sorted(found, key=lambda ranked: -max(s.share for s in ranked))
+
+
+def _beam(place: Place, own: Sequence[Column], numbers: Array, slopes: Array, square: Array, whole: float) -> list[Sum]:
+    """Beam search over sums of up to MOST_TERMS columns."""
+    where = {column: np.searchsorted(numbers, np.arange(column.part.start, column.part.stop)) for column in own}
+    square = square + np.eye(len(square)) / WEIGHT_PRIOR**2
+
+    def explained(chosen: Sequence[Column]) -> tuple[float, Array]:
+        rows = np.concatenate([where[column] for column in chosen])
+        weights = np.linalg.solve(square[np.ix_(rows, rows)], slopes[rows])
+        return float(slopes[rows] @ weights) / whole, weights
+
+    found: list[Sum] = []
+    beam: list[tuple[Column, ...]] = [()]
+    for _ in range(MOST_TERMS):
+        longer = {frozenset((*chosen, c)): (*chosen, c) for chosen in beam for c in own if _apart(c, chosen)}
+        ranked = sorted(longer.values(), key=lambda chosen: -explained(chosen)[0])
+        beam, forms = [], set[frozenset[str]]()
+        for chosen in ranked:  # one shape of a form is enough: fits find the others
+            form = frozenset(column.term.name for column in chosen)
+            if form not in forms and len(beam) < BEAM:
+                forms.add(form)
+                beam.append(chosen)
+                found.append(_sum(place, chosen, *explained(chosen)))
+    return found
+
+
+def _apart(column: Column, chosen: Sequence[Column]) -> bool:
+    """Whether a term may stand beside others: each once, and each parameter of shape."""
+    shapes = {c.term.shape.name for c in chosen if c.term.shape}
+    named = column.term.shape.name if column.term.shape else ""
+    return column.term.name not in {c.term.name for c in chosen} and named not in shapes
+
+
+def _sum(place: Place, chosen: Sequence[Column], share: float, weights: Array) -> Sum:
+    values, left = dict[str, float](), iter(weights)
+    for column in chosen:
+        shape = {column.term.shape.name: column.shape} if column.term.shape else {}
+        for part in column.term.parts:
+            values[part.coefficient] = float(next(left)) * _typical(place, column.term, part.coefficient)
+        values |= {name: float(value) for name, value in shape.items() if value is not None}
+    return Sum(place, tuple(column.term for column in chosen), values, share)
+
+
+def _typical(place: Place, term: Term, coefficient: str) -> float:
+    return law_class(place, (term,)).table[coefficient].typical
+
+
+def fitted(model: Linearisation, ranked: Sequence[Sequence[Sum]], clock: Clock) -> Iterator[FoundLaw]:
+    """The best sums at the best places, fitted in the loop and scored; longer ones where shorter ones leave a gap."""
+    least = MAIN_SHARE * max((s.share for at_place in ranked for s in at_place), default=0.0)
+    for at_place in [one for one in ranked if max(s.share for s in one) >= least][:PLACES]:
+        for size in range(1, MOST_TERMS + 1):
+            found = []
+            for one in [s for s in at_place if len(s.terms) == size][:FITTED]:
+                if clock.over(f"{' + '.join(t.name for t in one.terms)} on {one.place.acts_on}"):
+                    return
+                found.append(fit_law(model, one, clock))
+            yield from found
+            if any(max(law.scored.gaps) <= model.criteria.explained_gap for law in found):
+                break
+
+
+def fit_law(model: Linearisation, one: Sum, clock: Clock) -> FoundLaw:
+    """A sum of terms fitted from where screening saw it."""
+    kind = law_class(one.place, one.terms, one.values)
+    inside = {name: float(np.clip(v, *kind.parameters(one.place.site)[name].bounds)) for name, v in one.values.items()}
+    scored = score(model, fit(model, Candidate((kind(one.place.site, **inside),)), clock=clock))
+    return FoundLaw(one.place, one.terms, scored)
+
+
+def replaced(found: FoundLaw, scored: Scored) -> FoundLaw:
+    """The same law, fitted better."""
+    return replace(found, scored=scored)

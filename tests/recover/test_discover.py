@@ -1,0 +1,84 @@
+"""A law that no library has comes back as its formula: cogging of a drive, from a table and a channel map."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from boom_mj import cli
+
+MODEL = """
+<mujoco model="carriage">
+  <option timestep="0.002" integrator="implicitfast" gravity="0 0 0"/>
+  <worldbody>
+    <body name="carriage">
+      <joint name="slide" type="slide" axis="1 0 0"/>
+      <geom type="box" size="0.1 0.1 0.1" mass="50"/>
+    </body>
+  </worldbody>
+  <actuator><motor name="motor" joint="slide"/></actuator>
+</mujoco>
+"""
+MAP = """
+name = "carriage"
+model = "model.xml"
+time = "time"
+window = 4.0
+cutoff = 20.0
+settle = 0.5
+[[channel]]
+name = "position"
+role = "drive"
+joint = "slide"
+field = "position"
+unit = "m"
+noise = 1e-6
+[[channel]]
+name = "force"
+role = "compare"
+actuator = "motor"
+field = "force"
+unit = "N"
+"""
+AMPLITUDE, PERIOD = 12.0, 0.11
+
+
+def measured(folder: Path, cogging: float) -> list[str]:
+    """A log, and the words of the command line that come with it."""
+    rng, time = np.random.default_rng(0), np.arange(0.0, 24.0, 0.002)
+    rate = 2 * np.pi * np.array([0.21, 0.53])
+    size = np.array([0.25, 0.08])
+    position = np.sin(np.outer(time, rate)) @ size
+    force = -50 * np.sin(np.outer(time, rate)) @ (size * rate**2)
+    force += cogging * np.sin(2 * np.pi * position / PERIOD + 0.4) + 0.5 * rng.standard_normal(len(time))
+    rows = np.column_stack([time, position + 1e-6 * rng.standard_normal(len(time)), force])
+    np.savetxt(folder / "log.csv", rows, delimiter=",", header="time,position,force", comments="", fmt="%.8f")
+    (folder / "model.xml").write_text(MODEL)
+    (folder / "map.toml").write_text(MAP)
+    return ["gap", "discover", str(folder / "log.csv"), "--map", str(folder / "map.toml")]
+
+
+def run(words: list[str], capsys: pytest.CaptureFixture[str]) -> str:
+    assert cli.run(words) == 0
+    return capsys.readouterr().out
+
+
+def test_cogging_comes_back_as_a_ripple(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words, law = measured(tmp_path, AMPLITUDE), tmp_path / "cogging.py"
+    out = run([*words, "--json", "-", "-o", str(law), "--html", str(tmp_path / "page.html")], capsys)
+    found = json.loads(out)
+    assert found["verdict"] == "law" and found["law"]["terms"] == ["ripple"], found["sentence"]
+    assert found["law"]["place"] == {"joint": "slide"} and found["law"]["same_as"] is None
+    size = {name: p["value"] for name, p in found["law"]["parameters"].items()}
+    assert size["period"] == pytest.approx(PERIOD, rel=0.01)
+    assert np.hypot(size["sine"], size["cosine"]) == pytest.approx(AMPLITUDE, rel=0.05)
+    assert found["gap"]["closure"] > 0.95
+    assert "sin(2 * pi * position / period)" in (tmp_path / "page.html").read_text()
+    again = json.loads(run(["gap", "diagnose", *words[2:], "--effects", str(law), "--json", "-"], capsys))
+    assert [effect["id"] for effect in again["effects"]] == ["cogging"], again["sentence"]
+
+
+def test_noise_alone_is_nothing_to_discover(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    found = json.loads(run([*measured(tmp_path, 0.0), "--json", "-"], capsys))
+    assert found["verdict"] == "none" and found["law"] is None and "nothing to discover" in found["sentence"]

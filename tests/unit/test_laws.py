@@ -1,0 +1,141 @@
+"""Laws do what their formulas say: in MuJoCo, in sensors, and written to a file and read again."""
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from boom_mj.discovery.grammar import GRAMMARS
+from boom_mj.discovery.places import Place, law_class
+from boom_mj.effects import BOOM_SITES, Parameter, Site, laws, load_effects
+from boom_mj.errors import EffectError
+from boom_mj.machine import load_machine
+from boom_mj.recording import Signal
+from boom_mj.simulation import make_plant
+from boom_mj.testing import check_effect
+
+
+def site(**location: int) -> Site:
+    return next(s for s in BOOM_SITES if s.location == location)
+
+
+class Drag(laws.TipLaw):
+    """Drag of the tip."""
+
+    id = "test_drag"
+    table = {"drag": Parameter("N s^2/m^2", 0.0, 0.0, 1e4, 20.0)}
+
+
+class Hard(laws.LinkLaw):
+    """A link that hardens, and its stop."""
+
+    id = "test_hard"
+    table = {
+        "cube": Parameter("m^2", 0.0, 0.0, 1e9, 1e5),
+        "stop_stiffness": Parameter("N m/rad", 0.0, 0.0, 1e9, 1e6),
+        "stop": Parameter("rad", 0.01, -1.0, 1.0, 0.01),
+    }
+
+
+def test_drag_takes_the_power_of_its_formula() -> None:
+    """The tip moves at v, so the fluid takes c v^3: an independent way to what MuJoCo does with an ellipsoid."""
+    drag = 80.0
+    plain, plant = (make_plant(load_machine("boom36"), 2, effects) for effects in ((), (Drag(Site(), drag=drag),)))
+    rng = np.random.default_rng(0)
+    qpos, qvel = 0.1 * rng.standard_normal(plant.model.nq), 0.1 * rng.standard_normal(plant.model.nv)
+    power = []
+    for one in (plain, plant):
+        data, jacobian = mujoco.MjData(one.model), np.zeros((3, one.model.nv))
+        data.qpos[:], data.qvel[:] = qpos, qvel
+        mujoco.mj_forward(one.model, data)
+        power.append(float(data.qfrc_passive @ qvel))
+        mujoco.mj_jacSite(one.model, data, jacobian, None, one.model.site("tip").id)
+    speed = float(np.linalg.norm(jacobian @ qvel))
+    assert power[1] - power[0] == pytest.approx(-drag * speed**3, rel=1e-4)
+
+
+def test_link_law_bends_as_its_formula() -> None:
+    machine, link = load_machine("boom36"), 3
+    cube, bend = 4e4, 2e-3
+    plain = make_plant(machine, 3)
+    plant = make_plant(machine, 3, (Hard(site(link=link), cube=cube),))
+    own = [k for k in range(plant.model.njnt) if plant.model.joint(k).name.startswith(f"link{link}_v_")]
+    lengths = [float(length) for _, length in laws.bent_by(plain.boom.spec, machine, link, "v")]
+    for joint, length in zip(own, lengths):
+        torque = []
+        for one in (plain, plant):
+            data = mujoco.MjData(one.model)
+            data.qpos[one.model.jnt_qposadr[joint]] = bend
+            mujoco.mj_forward(one.model, data)
+            torque.append(float(data.qfrc_spring[one.model.jnt_dofadr[joint]]))
+        assert torque[1] / torque[0] == pytest.approx(1 + cube * (bend / length) ** 2, rel=1e-9)
+
+
+@pytest.mark.parametrize("kind", [Drag, Hard])
+def test_laws_of_effects_hold(kind: type) -> None:
+    check_effect(kind, machine=load_machine("boom36"))
+
+
+@pytest.mark.parametrize("name", [name for name in GRAMMARS if hasattr(getattr(laws, name), "law")])
+def test_every_term_is_a_law_that_vanishes(name: str) -> None:
+    """What a term adds is its formula times its coefficients, and nothing where these are 0."""
+    base, rng = getattr(laws, name), np.random.default_rng(1)
+    time = np.arange(200) * 0.1
+    variables = {word: time if word == "time" else rng.uniform(0.5, 1.5, 200) for word in base.variables}
+    words = {"x": "m", "F": "N", "creep": 1e-3, "middle": 1.0}
+    place = Place(base, Site((("cylinder", 2),)), "a place", variables, 100.0, words)
+    for term in GRAMMARS[name]:
+        kind = law_class(place, (term,))
+        assert kind(place.site).silent
+        for group in kind.screening(place.site):
+            for point in group:
+                law = kind(place.site, **point)
+                added = law.law(**variables, **law.values)
+                assert added.shape == time.shape and np.isfinite(added).all()
+        coefficient = term.parts[0].coefficient
+        once, twice = (kind(place.site, **{coefficient: n * kind.table[coefficient].typical}) for n in (1.0, 2.0))
+        values = [one.law(**variables, **one.values) for one in (once, twice)]
+        assert np.allclose(2 * values[0], values[1])
+
+
+LAW = '''"""A law by hand."""
+
+from boom_mj.effects import Parameter
+from boom_mj.effects.laws import CylinderLaw, direction
+
+
+class LoadFriction(CylinderLaw):
+    """Friction in proportion to the load."""
+
+    id = "{name}"
+    table = {{"mu": Parameter("1", 0.0, -1.0, 1.0, 0.05)}}
+
+    def law(self, position, speed, load, angle, time, mu):
+        return mu * abs(load) * direction(speed, 2e-4)
+'''
+
+
+def test_a_law_of_a_file_acts(tmp_path: Path) -> None:
+    file = tmp_path / "rubbing.py"
+    file.write_text(LAW.format(name="rubbing"))
+    kind = load_effects(file)["rubbing"]
+    check_effect(kind)
+    machine, time = load_machine("boom36"), np.arange(0.0, 10.0, 0.01)
+    joints = np.zeros((len(time), 5))
+    joints[:, 1] = 0.8 + 0.1 * np.sin(time)
+    signals = {
+        "joint/position": Signal(time, joints, tuple("12345"), "rad", ""),
+        "cylinder/force": Signal(time, np.full((len(time), 2), -2e5), ("2", "3"), "N", ""),
+    }
+    added = kind(site(cylinder=2), mu=0.05).observe(signals, machine)["cylinder/force"].values - -2e5
+    moving = np.abs(np.cos(time)) > 0.2
+    assert np.allclose(np.abs(added[moving, 0]), 0.05 * 2e5, rtol=1e-6) and not added[:, 1].any()
+    assert kind(site(cylinder=2)).observe(signals, machine) == {}
+
+
+def test_a_law_must_be_named_as_no_other(tmp_path: Path) -> None:
+    file = tmp_path / "taken.py"
+    file.write_text(LAW.format(name="pressure_scale"))
+    with pytest.raises(EffectError, match="two effects are called pressure_scale"):
+        load_effects(file)
