@@ -1,10 +1,10 @@
 """The same problem for `boom_mj.calibration` and for MuJoCo's own system identification, in one run.
 
-python benchmarks/calibration_sysid.py
+pip install "mujoco[sysid]"; python benchmarks/calibration_sysid.py
 
 `mujoco.sysid` starts every simulation from a given state and takes one table of samples. So: boom36 without gravity (it
 rests straight, whatever its stiffness), the T-shaped pose, joint 1 moves and stops, IMUs with noise; unknown are E_z of
-the four links and the damping. Both have the same model with four hinges, the same joint angles and noise, one thread.
+the four links and the damping. Both have the same model, joint angles and noise, one thread.
 """
 
 import time
@@ -59,7 +59,7 @@ def driven_spec() -> mujoco.MjSpec:
 def stiffen(link: int):
     """A modifier: E_z of a link times the parameter; damping goes with it, as in boom_mj."""
 
-    def modify(spec: mujoco.MjSpec, parameter: sysid.Parameter) -> None:
+    def modify(spec: mujoco.MjSpec, parameter: "sysid.Parameter") -> None:
         for hinge in link_hinges(spec, link, "w"):
             hinge.stiffness = hinge.stiffness * parameter.value[0]
             hinge.damping = hinge.damping * parameter.value[0]
@@ -67,13 +67,13 @@ def stiffen(link: int):
     return modify
 
 
-def damp(spec: mujoco.MjSpec, parameter: sysid.Parameter) -> None:
+def damp(spec: mujoco.MjSpec, parameter: "sysid.Parameter") -> None:
     """A modifier: all damping times the parameter."""
     for hinge in elastic_hinges(spec, BOOM):
         hinge.damping = hinge.damping * parameter.value[0]
 
 
-def fresh(params: sysid.ParameterDict, spec: mujoco.MjSpec) -> mujoco.MjModel:
+def fresh(params: "sysid.ParameterDict", spec: mujoco.MjSpec) -> mujoco.MjModel:
     """The model at some parameters; modifiers that multiply need a spec that none has touched."""
     return sysid.apply_param_modifiers(params, spec.copy())
 
@@ -126,6 +126,8 @@ def by_sysid(log: Recording) -> Array:
 
 def main() -> None:
     """Both, and what they found."""
+    if not hasattr(sysid, "Parameter"):
+        raise SystemExit('mujoco.sysid is empty without its extras: pip install "mujoco[sysid]"')
     free = replace(make_parameterisation(BOOM, KINDS), joints=0)
     log = recording(free)
     began = time.perf_counter()

@@ -9,10 +9,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from boom_mj import diagnosis
 from boom_mj.diagnosis.clock import Clock
+from boom_mj.errors import InputError
 from boom_mj.estimation.bootstrap import Closure
 from boom_mj.logs import read_log
 from boom_mj.machine import Machine, load_machine
@@ -23,7 +24,11 @@ from boom_mj.systems.boom.load import checked_data
 from boom_mj.systems.boom.system import BoomSystem
 from boom_mj.systems.predictor import Predictor
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 Log = Recording | Path | str
+NO_TABLES = ("ties", "skipped")  # lists whose entries are no rows
 
 
 @dataclass(frozen=True)
@@ -45,7 +50,7 @@ class Cause:
         location: where it acts, such as {"joint": 3}.
         parameters: its sizes, by name.
         closure_alone: share of the held-out gap that it closes by itself; None where that was not tried.
-        share: of the nominal held-out mean square that it takes; see `diagnosis.budget`.
+        share: of the held-out mean square of the machine as built that it takes; see `diagnosis.budget`.
         probability: that the machine has it.
     """
 
@@ -76,7 +81,8 @@ class Answer:
     @cached_property
     def document(self) -> dict[str, Any]:
         """All of it as plain data, as `gap diagnose --json` writes it."""
-        return diagnosis.document(self.found, self.names, self.findings)
+        channels = diagnosis.channel_steps(self.found, self.names)
+        return diagnosis.document(self.found, self.names, self.findings, channels)
 
     @property
     def verdict(self) -> str:
@@ -122,7 +128,31 @@ class Answer:
         """Write the page of `gap diagnose --html`: one file, which fetches nothing."""
         from boom_mj.report import write_diagnosis
 
-        write_diagnosis(self.found, self.names, Path(path))
+        write_diagnosis(self.found, self.document, Path(path))
+
+    def draw_gaps(self, axes: "Axes") -> None:
+        """Draw the held-out gaps of all channel groups, as built and with causes, into matplotlib axes."""
+        from boom_mj.report import draw_gaps
+
+        draw_gaps(axes, self.found, self.document)
+
+    def to_frame(self, key: str = "effects") -> Any:
+        """A table of the document as a pandas data frame, a row per entry; nested keys have dots between.
+
+        Args:
+            key: of a list of entries, such as "effects", "channels", "nuisances", "where" or "rivals".
+
+        Raises:
+            InputError: no such table, or no pandas.
+        """
+        tables = [name for name, rows in self.document.items() if isinstance(rows, list) and name not in NO_TABLES]
+        if key not in tables:
+            raise InputError(f"the answer has no table {key!r}; it has {', '.join(tables)}")
+        try:
+            import pandas
+        except ImportError as error:
+            raise InputError("data frames need pandas: pip install pandas") from error
+        return pandas.json_normalize(self.document[key])
 
 
 def diagnose(

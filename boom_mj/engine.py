@@ -6,6 +6,8 @@ is drawn. Here it is imported without the variable then; who draws refuses (`cam
 
 import os
 
+import numpy as np
+
 NAME = "MUJOCO_GL"
 
 try:
@@ -17,6 +19,14 @@ except Exception:  # of several types, by what is missing
     import mujoco as mujoco
 
     os.environ[NAME] = _given
+
+
+def mass_matrix(model: "mujoco.MjModel") -> np.ndarray:
+    """M(q) of a model where it begins, armature included, (nv, nv)."""
+    data, mass = mujoco.MjData(model), np.zeros((model.nv, model.nv))
+    mujoco.mj_forward(model, data)
+    mujoco.mj_fullM(model, data, mass)
+    return mass
 
 
 def keep_no_log() -> None:

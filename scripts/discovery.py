@@ -6,8 +6,8 @@
 
 The seed is the SHA-256 of the commit's id and the campaign's name, so that it can be neither chosen nor lost. `make`
 writes the truth, its hash first; `run` makes the logs of a case, asks the command line, keeps its answer and goes on
-where it was stopped; `report` opens the seal. Forces and readings are computed here, not by the grammar: memory, for
-one, by its own recursion. The plant has finer hinges and another integrator.
+where it was stopped; `report` opens the seal. Forces and readings are computed here, not by the grammar: the memory by
+its own recursion. The plant has finer hinges and another integrator.
 """
 
 import argparse

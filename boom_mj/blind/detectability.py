@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from boom_mj.effects import Effect, effects_of, make_effect
-from boom_mj.estimation.dataset import block_means
+from boom_mj.estimation.blocks import block_means
 from boom_mj.machine import Machine
 from boom_mj.mjcf import build
 from boom_mj.sensors import ideal_signals, noise_levels, sample_rates, true_angles

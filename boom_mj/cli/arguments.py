@@ -2,7 +2,9 @@
 
 import glob
 import os
-from collections.abc import Iterator
+import sys
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -106,6 +108,24 @@ def _resolved(path: Path) -> Path:
 def printable(text: str) -> str:
     """Text from a file as it may stand on a terminal: what is not to be seen is escaped."""
     return "".join(c if c.isprintable() else c.encode("unicode_escape", "surrogatepass").decode() for c in text)
+
+
+def check_machine(machine: str | None, channels: Path | None, model: Path | None) -> None:
+    """Refuse options of a boom and of any other machine together."""
+    if model is not None and channels is None:
+        raise InputError("--model needs a channel map: say which field of the log is what with --map MAP.toml")
+    if channels is not None and machine is not None:
+        raise InputError("--machine goes with booms only; with --map the model is --model MODEL.xml")
+
+
+def stopwatch() -> Callable[[str], None]:
+    """What prints lines on stderr, each after the seconds since now."""
+    began = time.perf_counter()
+
+    def tell(line: str) -> None:
+        print(f"{time.perf_counter() - began:6.1f} s  {line}", file=sys.stderr)
+
+    return tell
 
 
 @contextmanager

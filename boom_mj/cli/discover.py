@@ -1,14 +1,12 @@
 """gap discover: the law that no library has."""
 
 import json
-import sys
-import time
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from boom_mj.cli.arguments import EffectFiles, output_path, printable
+from boom_mj.cli.arguments import EffectFiles, output_path, printable, stopwatch
 from boom_mj.cli.gap_data import load_gap_data
 from boom_mj.errors import InputError
 from boom_mj.files import write_text
@@ -61,11 +59,7 @@ def command(
     for name in without or ():
         if name not in effect_library():
             raise InputError(f"--without {name}: the library holds {', '.join(effect_library())}")
-    began = time.perf_counter()
-
-    def tell(line: str) -> None:
-        print(f"{time.perf_counter() - began:6.1f} s  {line}", file=sys.stderr)
-
+    tell = stopwatch()
     given = load_gap_data(logs, holdout or [], machine, channels, model)
     for finding in given.findings:
         tell(printable(finding.sentence))

@@ -3,8 +3,6 @@
 import inspect
 import json
 import math
-import sys
-import time
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -17,6 +15,7 @@ from boom_mj.cli.arguments import (
     output_folder,
     output_path,
     printable,
+    stopwatch,
 )
 from boom_mj.cli.gap_data import load_gap_data
 from boom_mj.cli.many_logs import ManyLogs
@@ -125,7 +124,9 @@ def diagnose(
     ] = False,
     predictions: Annotated[
         Path | None,
-        typer.Option(metavar="DIR", help="Nominal and corrected simulation of every log, as MCAP; as CSV with --map."),
+        typer.Option(
+            metavar="DIR", help="Nominal, as built, corrected simulation of every log, as MCAP; as CSV with --map."
+        ),
     ] = None,
     without: Annotated[
         list[str] | None, typer.Option(metavar="ID", help="Effect to leave out of the library; several may be given.")
@@ -158,7 +159,7 @@ def diagnose(
 
     Example: python -m boom_mj gap diagnose a.mcap b.mcap --holdout c.mcap --html gap.html -o corrected.toml
     """
-    from boom_mj.diagnosis import Diagnosis, causes, document, estimated_nuisances
+    from boom_mj.diagnosis import Diagnosis, built_with, causes, channel_steps, document
     from boom_mj.diagnosis import diagnose as find
     from boom_mj.diagnosis.clock import Clock
     from boom_mj.effects import effect_library
@@ -176,11 +177,7 @@ def diagnose(
     for name in without or ():
         if name not in effect_library():
             raise InputError(f"--without {name}: the library holds {', '.join(effect_library())}")
-    paths, began = [*logs, *(holdout or ())], time.perf_counter()
-
-    def tell(line: str) -> None:
-        print(f"{time.perf_counter() - began:6.1f} s  {line}", file=sys.stderr)
-
+    paths, tell = [*logs, *(holdout or ())], stopwatch()
     given = load_gap_data(logs, holdout or [], machine, channels, model, healthy or [], strict, tell)
     system, data, names, findings = given.system, given.data, given.names, given.findings
     for finding in findings:
@@ -192,20 +189,20 @@ def diagnose(
             write_text(table, json.dumps({**document(so_far, names, findings), "complete": False}, indent=1))
 
     found = find(Predictor(system, data), tuple(without or ()), clock, most, keep)
-    answer = document(found, names, findings)
+    answer = document(found, names, findings, channel_steps(found, names))
     tell(answer["verdict"])
     text = json.dumps(answer, indent=1)
     if table is not None:
         write_text(table, text)
     if output is not None and isinstance(system, Corrects):
-        write_text(output, system.corrected(causes(found), estimated_nuisances(found) if nuisances else ()))
+        write_text(output, system.corrected(causes(found), built_with(found) if nuisances else ()))
     if predictions is not None:
         with locked(predictions):
             _write_predictions(found, predictions, paths if channels else list(map(Path, names)))
     if html is not None:
         from boom_mj.report import write_diagnosis
 
-        write_diagnosis(found, names, html, findings)
+        write_diagnosis(found, answer, html)
     print(text if as_json == "-" else _summary(answer))
 
 
@@ -239,24 +236,21 @@ def _named(effect: dict[str, Any]) -> str:
 
 
 def _write_predictions(found: Any, folder: Path, paths: list[Path]) -> None:
-    from boom_mj.diagnosis import simulated_recordings
+    from boom_mj.diagnosis import nominal_predictor, simulated_recording, steps
     from boom_mj.logs import write_mcap
     from boom_mj.logs.columns import write_columns
-    from boom_mj.recording import Recording, named_signal
     from boom_mj.replay import residual
     from boom_mj.systems.mjcf import tables
 
     folder.mkdir(parents=True, exist_ok=True)
-    data, stems = found.model.data, _stems(paths)
-    for kind in ("nominal", "corrected"):
-        said = simulated_recordings(found, kind == "corrected")
+    data, stems, predictor = found.model.data, _stems(paths), nominal_predictor(found)
+    for effects, kind in zip(steps(found).values(), ("nominal", "as_built", "corrected")):
+        said = [simulated_recording(predictor, effects, index) for index in range(len(data.recordings))]
         if found.model.facts.kind == "mjcf":
             for log_path, table in tables(data, said).items():
                 write_columns(folder / f"{stems[Path(log_path)]}.{kind}.csv", table)
             continue
-        for log, path, one in zip(data.recordings, paths, said):
-            signals = {name: named_signal(name, log[name].time, values) for name, values in one.items()}
-            recording = Recording(log.name, log.machine, f"{kind} simulation: {log.description}", signals)
+        for log, path, recording in zip(data.recordings, paths, said):
             beside = {"/measured": log, "/residual": residual(log, recording)}
             write_mcap(recording, folder / f"{stems[path]}.{kind}.mcap", beside=beside)
 

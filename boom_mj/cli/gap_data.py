@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from boom_mj.cli.arguments import find_machine, machine_text
+from boom_mj.cli.arguments import check_machine, find_machine, machine_text
 from boom_mj.errors import InputError
 
 if TYPE_CHECKING:
@@ -53,10 +53,7 @@ def load_gap_data(
     from boom_mj.diagnosis.clock import Clock
     from boom_mj.diagnosis.healthy import as_built
 
-    if model is not None and channels is None:
-        raise InputError("--model needs a channel map: say which field of the log is what with --map MAP.toml")
-    if channels is not None and machine is not None:
-        raise InputError("--machine goes with booms only; with --map the model is --model MODEL.xml")
+    check_machine(machine, channels, model)
     if channels is not None:
         return _any_machine(logs, holdout, channels, model, healthy, tell)
     from boom_mj.logs import read_log

@@ -84,19 +84,19 @@ def command(
             draw_overlay(result, picture)
         if writing is not None:
             writing.result()
-    print(json.dumps(_document(result, quality), indent=1) if as_json else _table(result))
+    print(json.dumps(_document(result, quality, hinges), indent=1) if as_json else _table(result))
     for path in (output, picture):
         if path is not None:
             print(f"wrote {path}", file=sys.stderr)
 
 
-def _document(result: "Replay", quality: "Quality") -> dict:
+def _document(result: "Replay", quality: "Quality", hinges: int) -> dict:
     groups = {g.name: {"rms": g.rms, "noise": g.noise, "ratio": g.ratio, "unit": g.unit} for g in result.groups}
     steps = len(result.trajectory.time)
     simulated = float(result.trajectory.time[-1])
     timing = {"simulated_s": simulated, "steps": steps, "loop_wall_s": result.loop_wall_s}
-    document = {"log": result.log.name, "machine": result.twin.machine, "groups": groups, "timing": timing}
-    return {**document, "quality": _quality(quality)}
+    names = {"log": result.log.name, "machine": result.twin.machine, "hinges": hinges}
+    return {**names, "groups": groups, "timing": timing, "quality": _quality(quality)}
 
 
 def _quality(quality: "Quality") -> dict:

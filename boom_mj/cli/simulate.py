@@ -94,6 +94,8 @@ def command(
     recording = record(trajectory, plan, rng)
     if output is not None:
         write_mcap(recording, output, scene=boom_scene(trajectory) if scene else None)
+        if hinges == 1:
+            print("one hinge per elastic coordinate; for `gap diagnose` simulate with --hinges 4", file=sys.stderr)
     if as_json:
         print(json.dumps(_document(trajectory, plan, output), indent=1))
     else:

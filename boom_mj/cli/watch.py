@@ -1,14 +1,12 @@
 """gap watch: since when is a machine no longer what it was, and what changed."""
 
 import json
-import sys
-import time
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from boom_mj.cli.arguments import EffectFiles, find_machine, output_path
+from boom_mj.cli.arguments import EffectFiles, check_machine, find_machine, output_path, stopwatch
 from boom_mj.errors import InputError
 from boom_mj.files import write_text
 
@@ -44,16 +42,9 @@ def command(
     from boom_mj.systems.mjcf import load_mjcf
     from boom_mj.systems.system import System
 
-    if model is not None and channels is None:
-        raise InputError("--model needs a channel map: say which field of the log is what with --map MAP.toml")
-    if channels is not None and machine is not None:
-        raise InputError("--machine goes with booms only; with --map the model is --model MODEL.xml")
+    check_machine(machine, channels, model)
     table = None if as_json in (None, "-") else output_path(Path(str(as_json)))
-    began = time.perf_counter()
-
-    def tell(line: str) -> None:
-        print(f"{time.perf_counter() - began:6.1f} s  {line}", file=sys.stderr)
-
+    tell = stopwatch()
     system: System
     if channels is not None:
         system, data = load_mjcf(healthy, logs, channels, model)

@@ -3,7 +3,11 @@
 from boom_mj.diagnosis.answer import document as document
 from boom_mj.diagnosis.diagnose import Diagnosis as Diagnosis
 from boom_mj.diagnosis.diagnose import diagnose as diagnose
+from boom_mj.diagnosis.predictions import built_with as built_with
 from boom_mj.diagnosis.predictions import causes as causes
 from boom_mj.diagnosis.predictions import estimated_nuisances as estimated_nuisances
 from boom_mj.diagnosis.predictions import explanation as explanation
-from boom_mj.diagnosis.predictions import simulated_recordings as simulated_recordings
+from boom_mj.diagnosis.predictions import nominal_predictor as nominal_predictor
+from boom_mj.diagnosis.predictions import simulated_recording as simulated_recording
+from boom_mj.diagnosis.predictions import steps as steps
+from boom_mj.diagnosis.steps import channel_steps as channel_steps

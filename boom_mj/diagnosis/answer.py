@@ -9,24 +9,41 @@ import numpy as np
 from boom_mj.diagnosis.diagnose import Diagnosis
 from boom_mj.diagnosis.localisation import in_words, locate, looks_like
 from boom_mj.diagnosis.named import brief, described
+from boom_mj.diagnosis.predictions import estimated_nuisances, nuisances
 from boom_mj.diagnosis.sentences import rival, sentence
+from boom_mj.diagnosis.steps import ChannelSteps, nuisance_sizes
 from boom_mj.estimation.bootstrap import gap
 from boom_mj.replay.quality import DataFinding
 
 RIVALS = 8  # listed
 
 
-def document(found: Diagnosis, names: Sequence[str], findings: Sequence[DataFinding] = ()) -> dict[str, Any]:
+def document(
+    found: Diagnosis,
+    names: Sequence[str],
+    findings: Sequence[DataFinding] = (),
+    channels: Sequence[ChannelSteps] = (),
+) -> dict[str, Any]:
     """The answer in plain data: verdict, effects, rivals, ties, gaps, where, what is left.
+
+    Args:
+        names: of the recordings, training first.
+        findings: what is wrong with them.
+        channels: their gaps from the machine file to the explanation, `channel_steps`; simulating them takes a while.
 
     Of a "partial" explanation `effects` are the causes that are sure; others, and what closes some of an "unexplained"
     gap, are listed as "suspect". Shares of budget, remainder and floor add up to 1.
     """
-    data, best = found.model.data, found.best
-    cells = locate(found.model, found.nominal)
+    data, best, raw = found.model.data, found.best, found.model.residual(found.model.base)
+    cells = locate(found.model, found.as_built)
     after = found.residual
     gaps = {
-        part: {"before": gap(found.nominal, rows), "after": gap(after, rows), "floor": 1.0}
+        part: {
+            "nominal": gap(raw, rows),
+            "before": gap(found.as_built, rows),
+            "after": gap(after, rows),
+            "floor": 1.0,
+        }
         for part, rows in (("train", data.train), ("holdout", data.held_out))
     }
     listed = [vars(cell) for cell in cells if cell.share >= found.criteria.shown_share]
@@ -49,8 +66,11 @@ def document(found: Diagnosis, names: Sequence[str], findings: Sequence[DataFind
             "closure": found.closure.value,
             "closure_interval": [found.closure.low, found.closure.high],
             "fidelity_alone": found.fidelity_alone,
+            "simplest_model": found.simplest,
             "split_in_time": data.split_in_time,
         },
+        "nuisances": _nuisances(found),
+        "channels": [vars(row) for row in channels],
         "where": [*listed, {"sensor": "all others", "share": rest}],
         "residual_forces": [vars(force) for force in found.forces],
         "budget": budget,
@@ -72,11 +92,40 @@ def document(found: Diagnosis, names: Sequence[str], findings: Sequence[DataFind
             "mujoco": version("mujoco"),
         },
     }
-    return plain(answer)
+    return plain(_with_former_names(answer))
+
+
+def _with_former_names(answer: dict[str, Any]) -> dict[str, Any]:
+    """With what version 0.1 calls some of it, beside the names of today."""
+    left, made = answer["remainder"], answer["provenance"]
+    recordings = {**made["recordings"], "learnt_in_part": made["recordings"]["trained_in_part"]}
+    hinges = made.get("hinges", {})
+    former = {"contest": hinges["predictions"], "fidelity": hinges["check"]} if hinges else {}
+    return {
+        **answer,
+        "pushes": answer["residual_forces"],
+        "unexplained": left and {**left, "learn_from": left["train_with"]},
+        "provenance": {**made, "recordings": recordings, **({"hinges": {**hinges, **former}} if hinges else {})},
+    }
+
+
+def _nuisances(found: Diagnosis) -> list[dict[str, Any]]:
+    """Every one with its prior, and as it was estimated along."""
+    return [
+        {
+            "id": size.effect.id,
+            "location": size.effect.location,
+            "parameter": size.parameter,
+            "value": size.value,
+            "unit": size.effect.declared[size.parameter].unit,
+            "prior": {"neutral": size.neutral, "deviation": size.deviation},
+        }
+        for size in nuisance_sizes(estimated_nuisances(found), nuisances(found))
+    ]
 
 
 def _budget(found: Diagnosis) -> list[dict[str, Any]]:
-    """Shares of the nominal held-out mean square that the effects take."""
+    """Shares of the held-out mean square of the machine as built that the effects take."""
     if found.best is None or found.budget is None:
         return []
     return [
@@ -87,7 +136,7 @@ def _budget(found: Diagnosis) -> list[dict[str, Any]]:
 
 def _remainder(found: Diagnosis) -> dict[str, Any]:
     """What is left above the floor, what it looks like, where it lies, and which recordings would teach more."""
-    whole = gap(found.nominal, found.model.data.held_out) ** 2
+    whole = gap(found.as_built, found.model.data.held_out) ** 2
     left = gap(found.residual, found.model.data.held_out) ** 2
     return {
         "share": max(left - 1, 0.0) / whole,

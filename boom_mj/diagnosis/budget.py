@@ -1,10 +1,10 @@
 """The budget of a gap: what each cause takes of it, and how sure each explanation is, from held-out scores by windows.
 
-Shares are of the nominal held-out mean square v(nothing). With v(T) the mean square of the effects T alone at their
-sizes, nuisances estimated anew, a cause's share is its Shapley value of v(nothing) - v(T): the mean over all orders of
-adding, so that shares, remainder v(all) - 1 and floor 1 add up to the whole.
+Shares are of the held-out mean square of the machine as built, v(nothing). With v(T) the mean square of the effects T
+alone at their sizes, nuisances estimated anew, a cause's share is its Shapley value of v(nothing) - v(T): the mean over
+all orders of adding, so that shares, remainder v(all) - 1 and floor 1 add up to the whole.
 
-Windows are resampled as wholes. In every draw one of these is true: the nominal model needs no explanation, an
+Windows are resampled as wholes. In every draw one of these is true: the machine as built needs no explanation, an
 explanation suffices and is the cheapest, or none suffices, so that something outside the library is at work. How often
 each is true is its probability; raw likelihoods of many correlated samples would make every wrong name certain.
 """
@@ -31,7 +31,7 @@ MOST_SUBSETS = 32  # of effects that are simulated for shares; more effects are 
 
 @dataclass(frozen=True)
 class Share:
-    """Of the nominal held-out mean square, with a 95 % interval."""
+    """Of the held-out mean square of the machine as built, with a 95 % interval."""
 
     value: float
     low: float
@@ -56,11 +56,11 @@ class Odds:
     none: float
 
 
-def gap_budget(nominal: Array, best: Scored) -> Budget:
-    """What the effects of an explanation take of a nominal whitened residual, (N,)."""
+def gap_budget(as_built: Array, best: Scored) -> Budget:
+    """What the effects of an explanation take of a whitened residual as built, (N,)."""
     model, effects = best.model, best.fit.effects
     subsets = _subsets(len(effects))
-    squares = _mean_squares(model, _residuals(nominal, best, subsets))  # (draws + 1, subsets)
+    squares = _mean_squares(model, _residuals(as_built, best, subsets))  # (draws + 1, subsets)
     at = {subset: k for k, subset in enumerate(subsets)}
     whole = squares[:, at[()]]
     shares = [_share(_shapley(squares, at, k, len(effects)) / whole) for k in range(len(effects))]
@@ -68,10 +68,10 @@ def gap_budget(nominal: Array, best: Scored) -> Budget:
     return Budget(tuple(shares), _share((left - 1) / whole), _share(1 / whole))
 
 
-def odds(nominal: Array, scored: Sequence[Scored], model: Linearisation) -> Odds:
+def odds(as_built: Array, scored: Sequence[Scored], model: Linearisation) -> Odds:
     """How often each explanation is the right one when held-out windows are drawn anew."""
     criteria = model.criteria
-    gaps = np.sqrt(_mean_squares(model, [nominal, *(one.fit.residual for one in scored)])[1:])
+    gaps = np.sqrt(_mean_squares(model, [as_built, *(one.fit.residual for one in scored)])[1:])
     before, after = gaps[:, 0], gaps[:, 1:]
     count = len(gaps)
     if not scored:
@@ -91,18 +91,18 @@ def inclusion(found: Odds, scored: Sequence[Scored], effect: Effect) -> float:
     return float(sum(p for p, one in zip(found.explanations, scored) if effect.cause in one.fit.candidate.places))
 
 
-def needed(best: Scored, scored: Sequence[Scored], nominal: Array, effect: Effect) -> bool:
+def needed(best: Scored, scored: Sequence[Scored], as_built: Array, effect: Effect) -> bool:
     """Whether whatever does without a cause leaves much more, in 95 of 100 draws: so sure is it, whatever is left.
 
     Explanations that hold a special case of it, or of which it is one, do not do without it.
     """
     model, others = best.model, [one for one in scored if apart(type(effect), effect.site, one.fit.effects)]
     if model.criteria.gain_z:
-        residuals = [best.fit.residual, nominal, *(one.fit.residual for one in others)]
+        residuals = [best.fit.residual, as_built, *(one.fit.residual for one in others)]
         cells, windows = log_squares(model.data, np.array(residuals))
         scores = resampled_means(windows, cells) + np.array([best.doubt, 0.0, *(one.doubt for one in others)])
         return bool(np.quantile((scores[:, 1:].min(axis=1) - scores[:, 0])[1:], TAIL) > 0)
-    squares = _mean_squares(model, [best.fit.residual, nominal, *(one.fit.residual for one in others)])
+    squares = _mean_squares(model, [best.fit.residual, as_built, *(one.fit.residual for one in others)])
     rival = squares[:, 1:].min(axis=1)
     closes = (rival - squares[:, 0]) / np.maximum(rival - 1, 1e-9)
     return bool(np.quantile(closes[1:], TAIL) > model.criteria.named_closure)
@@ -127,13 +127,13 @@ def _subsets(count: int) -> list[tuple[int, ...]]:
     return [(), *arcs, whole]
 
 
-def _residuals(nominal: Array, best: Scored, subsets: Sequence[tuple[int, ...]]) -> list[Array]:
+def _residuals(as_built: Array, best: Scored, subsets: Sequence[tuple[int, ...]]) -> list[Array]:
     """Of the effects in every subset alone."""
     model, effects = best.model, best.fit.effects
     inner = [subset for subset in subsets if 0 < len(subset) < len(effects)]
     said = model.predict([tuple(effects[k] for k in subset) for subset in inner]) if inner else []
     known: Mapping[tuple[int, ...], Array] = {
-        (): nominal,
+        (): as_built,
         tuple(range(len(effects))): best.fit.residual,
         **{subset: model.clean(model.residual(prediction)) for subset, prediction in zip(inner, said)},
     }

@@ -13,26 +13,26 @@ Array = np.ndarray
 Gaps = tuple[float, float]  # training, held out
 
 
-def solved(nominal: Gaps, found: Scored) -> bool:
+def solved(as_built: Gaps, found: Scored) -> bool:
     """Whether an explanation leaves no more than noise and its own inaccuracy, in training and held out."""
     criteria = found.model.criteria
-    bounds = (criteria.explained_gap + criteria.error_share * (before - 1) for before in nominal)
+    bounds = (criteria.explained_gap + criteria.error_share * (before - 1) for before in as_built)
     return all(after <= bound for bound, after in zip(bounds, found.gaps))
 
 
-def complete(nominal: Gaps, found: Scored) -> bool:
+def complete(as_built: Gaps, found: Scored) -> bool:
     """Whether an explanation suffices and leaves so little that no other cause hides in it."""
-    return solved(nominal, found) and max(found.gaps) < found.model.criteria.second_cause_gap
+    return solved(as_built, found) and max(found.gaps) < found.model.criteria.second_cause_gap
 
 
-def useful(found: Scored, nominal: Gaps) -> bool:
+def useful(found: Scored, as_built: Gaps) -> bool:
     """Whether it takes away more of what is held out than the least that counts."""
-    return nominal[1] ** 2 - found.held_out**2 > found.model.criteria.least_gain
+    return as_built[1] ** 2 - found.held_out**2 > found.model.criteria.least_gain
 
 
-def explains(nominal: Gaps, found: Scored, share: Closure) -> bool:
+def explains(as_built: Gaps, found: Scored, share: Closure) -> bool:
     """Whether an explanation leaves no more than that and may have closed the whole gap."""
-    return solved(nominal, found) and share.high > found.model.criteria.whole_closure
+    return solved(as_built, found) and share.high > found.model.criteria.whole_closure
 
 
 def held_out_loss(model: Linearisation, better: Array, worse: Array) -> tuple[float, float]:
@@ -52,20 +52,20 @@ def held_out_loss(model: Linearisation, better: Array, worse: Array) -> tuple[fl
     return losses[0][0], max(error for _, error in losses)
 
 
-def sure(model: Linearisation, nominal: Array, found: Scored) -> bool:
-    """Whether the held-out residual is smaller than the nominal one beyond what chance does."""
-    fall, error = held_out_loss(model, found.fit.residual, nominal)
+def sure(model: Linearisation, as_built: Array, found: Scored) -> bool:
+    """Whether the held-out residual is smaller than that of the machine as built beyond what chance does."""
+    fall, error = held_out_loss(model, found.fit.residual, as_built)
     return fall > model.criteria.sure_z * error
 
 
-def choose(scored: Sequence[Scored], nominal: Gaps) -> Scored | None:
+def choose(scored: Sequence[Scored], as_built: Gaps) -> Scored | None:
     """The best single cause, of those that suffice if any do, with few parameters, or more causes, each worth it."""
-    before = nominal[1]
-    helpful = [j for j in scored if useful(j, nominal)]
+    before = as_built[1]
+    helpful = [j for j in scored if useful(j, as_built)]
     if helpful and helpful[0].model.criteria.gain_z:
         return _within_error(helpful)
     singles = [j for j in helpful if len(j.fit.effects) == 1]
-    singles = [j for j in singles if solved(nominal, j)] or singles
+    singles = [j for j in singles if solved(as_built, j)] or singles
     best = min(singles, key=_price, default=None)
     best = _simplest(best, singles, before)
     for size in range(2, 1 + max((len(j.fit.effects) for j in helpful), default=0)):

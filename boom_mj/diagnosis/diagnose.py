@@ -32,13 +32,14 @@ class Diagnosis:
         best: the explanation, None where nothing helps.
         scored: all scored candidates, best first.
         ties: rivals that the data cannot tell from the best.
-        nominal: whitened residual of the nominal model with its nuisances, (N,).
+        as_built: whitened residual of the machine as built, with the nuisances that leave least of it, (N,).
         closure: of the best on held-out entries.
         fidelity_alone: share of the coarse model's held-out gap that a finer one closes by itself.
         next_experiment: that would separate the ties.
         model: the healthy machine, about which all this is said.
         odds: probabilities of the scored candidates, in their order, and of what else there is.
         skipped: what was not looked at for want of time.
+        simplest: held-out gap that the simplest model leaves, with the explanation or without; None where not tried.
     """
 
     verdict: str
@@ -46,13 +47,14 @@ class Diagnosis:
     scored: tuple[Scored, ...]
     ties: tuple[Scored, ...]
     screened: tuple[Screened, ...]
-    nominal: Array
+    as_built: Array
     closure: Closure
     fidelity_alone: float
     next_experiment: str | None
     model: Linearisation
     odds: Odds
     skipped: tuple[str, ...] = ()
+    simplest: float | None = None
 
     @property
     def criteria(self) -> Criteria:
@@ -67,19 +69,19 @@ class Diagnosis:
     @property
     def residual(self) -> Array:
         """What the explanation leaves, whitened, (N,)."""
-        return self.best.fit.residual if self.best else self.nominal
+        return self.best.fit.residual if self.best else self.as_built
 
     @cached_property
     def sure(self) -> tuple[bool, ...]:
         """Of the effects of the best explanation: whether nothing else does what they do."""
         if not self.best:
             return ()
-        return tuple(needed(self.best, self.scored, self.nominal, effect) for effect in self.best.fit.effects)
+        return tuple(needed(self.best, self.scored, self.as_built, effect) for effect in self.best.fit.effects)
 
     @cached_property
     def budget(self) -> Budget | None:
         """What the effects of the best explanation take of the held-out gap."""
-        return gap_budget(self.nominal, self.best) if self.best else None
+        return gap_budget(self.as_built, self.best) if self.best else None
 
     @cached_property
     def trained(self) -> Array:
@@ -101,11 +103,11 @@ class Diagnosis:
 
     @cached_property
     def forces(self) -> tuple[ResidualForce, ...]:
-        """What would push the nominal model to where the machine is; none where channels do not tell where it is."""
+        """What would move the machine as built to where it was; none where channels do not tell where that is."""
         system, model = self.model.system, self.model
         if not isinstance(system, ResidualForces):
             return ()
-        return system.forces(model.data, self.nominal, model.noise.weight)
+        return system.forces(model.data, self.as_built, model.noise.weight)
 
 
 Keep = Callable[[Diagnosis], None]
@@ -136,12 +138,12 @@ def _diagnose(predictor: Predictor, without: Sequence[str], clock: Clock, most: 
     model = linearise(predictor)
     data, criteria = model.data, model.criteria
     raw = model.residual(model.base)
-    nominal = model.clean(raw)
-    gaps = training, before = gap(nominal, data.train), gap(nominal, data.held_out)
-    clock.tell(f"nominal gap {training:.2f} in training, {before:.2f} held out; screening")
+    as_built = model.clean(raw)
+    gaps = training, before = gap(as_built, data.train), gap(as_built, data.held_out)
+    clock.tell(f"gap as built {training:.2f} in training, {before:.2f} held out; screening")
     screened: list[Screened] = []
     if not clock.over("the library"):
-        screening = Screening(model, everywhere(model.system, without), spectral_lines(model, nominal))
+        screening = Screening(model, everywhere(model.system, without), spectral_lines(model, as_built))
         clock.tell(f"{len(screening.rows)} candidates screened")
         screened = screening.rank(raw)
     scored: list[Scored] = []
@@ -151,13 +153,13 @@ def _diagnose(predictor: Predictor, without: Sequence[str], clock: Clock, most: 
     fall = before**2 - scored[0].held_out ** 2 if scored else 0.0
     worth = bool(scored) and (before > criteria.healthy_gap or fall > criteria.least_gain / 2)
     if worth:
-        keep(_concluded(model, nominal, screened, scored, clock))
+        keep(_concluded(model, as_built, screened, scored, clock))
         scored = refined(scored, gaps, clock)
-    found = _concluded(model, nominal, screened, scored, clock)
+    found = _concluded(model, as_built, screened, scored, clock)
     keep(found)
     other = None if found.solved else _extended(found, criteria.explained_gap, without, clock, most, keep)
     if worth and not other and not complete(gaps, scored[0]):
-        found = _concluded(model, nominal, screened, combined(scored, gaps, without, clock, most), clock)
+        found = _concluded(model, as_built, screened, combined(scored, gaps, without, clock, most), clock)
         other = None if found.solved else _extended(found, criteria.near_noise_gap, without, clock, most, keep)
     return other if other and other.solved else found
 
@@ -184,25 +186,25 @@ def _extended(
 
 def _concluded(
     model: Linearisation,
-    nominal: Array,
+    as_built: Array,
     screened: Sequence[Screened],
     scored: Sequence[Scored],
     clock: Clock,
 ) -> Diagnosis:
     """What scores say."""
     data, criteria = model.data, model.criteria
-    gaps = _, before = gap(nominal, data.train), gap(nominal, data.held_out)
+    gaps = _, before = gap(as_built, data.train), gap(as_built, data.held_out)
     best = choose(scored, gaps)
-    if best and before <= criteria.near_noise_gap and not sure(model, nominal, best):
+    if best and before <= criteria.near_noise_gap and not sure(model, as_built, best):
         best = None
-    share = held_out_closure(model, nominal, best.fit.residual if best else nominal)
+    share = held_out_closure(model, as_built, best.fit.residual if best else as_built)
     verdict = "unexplained" if best or before > criteria.healthy_gap else "consistent"
     ties: tuple[Scored, ...] = ()
     if best and explains(gaps, best, share):
         rivals = (j for j in scored if j is not best and solved(gaps, j))
         ties = tuple(j for j in rivals if ties_with(model, best, j, before))
         verdict = "ambiguous" if ties else "explained"
-    elif best and any(needed(best, scored, nominal, effect) for effect in best.fit.effects):
+    elif best and any(needed(best, scored, as_built, effect) for effect in best.fit.effects):
         verdict = "partial"
         if criteria.gain_z:  # what is left does not hide that others leave as much
             ties = tuple(j for j in scored if j is not best and ties_with(model, best, j, before))
@@ -212,21 +214,33 @@ def _concluded(
         following = _next_experiment(model, [j.fit.effects for j in (best, *ties)])
     (coarse,) = model.predictor.predict([()], model.facts.fidelity.coarse)
     coarse = model.clean(model.noise.white(data.measured - coarse))
-    fidelity = held_out_closure(model, coarse, nominal).value
+    fidelity = held_out_closure(model, coarse, as_built).value
     return Diagnosis(
         verdict,
         best,
         tuple(scored),
         ties,
         tuple(screened),
-        nominal,
+        as_built,
         share,
         fidelity,
         following,
         model,
-        odds(nominal, scored, model),
+        odds(as_built, scored, model),
         clock.skipped,
+        simplest_gap(model, best) if verdict in ("unexplained", "partial") else None,
     )
+
+
+def simplest_gap(model: Linearisation, best: Scored | None) -> float | None:
+    """Held-out gap of the simplest model, without causes and with the best explanation, whichever is less."""
+    level = model.facts.fidelity.simplest
+    if level is None:
+        return None
+    hypotheses = [(), *([best.fit.effects] if best else [])]
+    said = model.predictor.predict(hypotheses, level)
+    left = [model.clean(model.noise.white(model.data.measured - one)) for one in said]
+    return min(gap(one, model.data.held_out) for one in left)
 
 
 def held_out_closure(model: Linearisation, before: Array, after: Array) -> Closure:

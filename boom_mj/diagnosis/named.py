@@ -88,7 +88,7 @@ def probability(found: Diagnosis, effect: Effect) -> float:
 
 def closure_of(found: Diagnosis, scored: Scored) -> float:
     """Of one candidate, on held-out entries."""
-    before = gap(found.nominal, found.model.data.held_out)
+    before = gap(found.as_built, found.model.data.held_out)
     return (before - scored.held_out) / max(before - 1, 1e-9)
 
 

@@ -34,16 +34,17 @@ def rival(found: Diagnosis, other: Scored) -> dict[str, Any]:
 def sentence(found: Diagnosis) -> str:
     """The verdict in words."""
     data = found.model.data
-    before = gap(found.nominal, data.held_out)
+    before = gap(found.as_built, data.held_out)
     if found.verdict == "consistent":
         return f"No gap beyond noise and model error: {before:.2f} on what was held out, 1 is the floor."
-    where = in_words(locate(found.model, found.nominal))
+    where = in_words(locate(found.model, found.as_built))
     if found.verdict == "unexplained":
         leaves = f"close {found.closure.value:.0%} and leave {found.best.held_out:.1f}" if found.best else ""
         tried = f"; {found.best.label} would {leaves}" if found.best else ""
         hidden = " and ".join(data.recordings[k].name for k in found.not_trained)
         advice = f" Training recordings do not show all of it; train with {hidden} as well." if hidden else ""
-        return f"The gap of {before:.1f} has no explanation in the library{tried}: {where}.{advice}{_unfinished(found)}"
+        advice += _simulated(found) + _unfinished(found)
+        return f"The gap of {before:.1f} has no explanation in the library{tried}: {where}.{advice}"
     named = [found.verdict != "partial" or sure for sure in found.sure]
     causes = [_in_words(entry) for entry, so in zip(described(found), named) if so]
     cause, close = " and ".join(causes), "closes" if len(causes) == 1 else "close"
@@ -61,7 +62,7 @@ def sentence(found: Diagnosis) -> str:
         if found.criteria.gain_z and (beside := _beside(found)):
             others = f" and {len(beside) - BESIDE} others" * (len(beside) > BESIDE)
             text += f". The data do not tell what acts beside: {', '.join(beside[:BESIDE])}{others}"
-    return f"{text}. Without it, {where}.{_extended(found)}{_unfinished(found)}"
+    return f"{text}. Without it, {where}.{_extended(found)}{_simulated(found)}{_unfinished(found)}"
 
 
 def _beside(found: Diagnosis) -> list[str]:
@@ -70,6 +71,14 @@ def _beside(found: Diagnosis) -> list[str]:
     sure = {e.cause for e, so in zip(found.best.fit.effects, found.sure) if so} if found.best else set()
     beside = [effect for effects in explanations for effect in effects if effect.cause not in sure]
     return list(dict.fromkeys(Candidate((effect,)).label.replace("_", " ") for effect in beside))
+
+
+def _simulated(found: Diagnosis) -> str:
+    """That recordings look like those of the simplest model, where it leaves a gap near noise."""
+    if found.simplest is None or found.simplest > found.criteria.near_noise_gap:
+        return ""
+    simplest = found.model.facts.wording.simplest
+    return f" A model of {simplest} leaves {found.simplest:.2f}: the recordings look as if it had made them."
 
 
 def _unfinished(found: Diagnosis) -> str:

@@ -22,13 +22,13 @@ def singles(model: Linearisation, screened: Sequence[Screened], clock: Clock) ->
     return _fit_all(model, [start for s in shortlist(model, screened) for start in s.starts], clock)
 
 
-def refined(scored: list[Scored], nominal: Gaps, clock: Clock) -> list[Scored]:
+def refined(scored: list[Scored], as_built: Gaps, clock: Clock) -> list[Scored]:
     """Single causes, the leaders refined, and simplified where that suffices."""
-    scored = _refined(scored, nominal, clock)
-    return _simplified(scored, nominal, clock) if scored and solved(nominal, scored[0]) else scored
+    scored = _refined(scored, as_built, clock)
+    return _simplified(scored, as_built, clock) if scored and solved(as_built, scored[0]) else scored
 
 
-def combined(scored: list[Scored], nominal: Gaps, without: Sequence[str], clock: Clock, most: int) -> list[Scored]:
+def combined(scored: list[Scored], as_built: Gaps, without: Sequence[str], clock: Clock, most: int) -> list[Scored]:
     """With combinations, where single causes do not decide, or one decides that may hide another; simplified.
 
     Args:
@@ -37,11 +37,11 @@ def combined(scored: list[Scored], nominal: Gaps, without: Sequence[str], clock:
     for size in range(2, most + 1):
         if not scored or clock.over(f"{size} causes together"):
             return scored
-        if not solved(nominal, scored[0]):
-            scored = _combine(scored, size, nominal, without, clock)
-        elif len(scored[0].fit.effects) == size - 1 and not complete(nominal, scored[0]):
+        if not solved(as_built, scored[0]):
+            scored = _combine(scored, size, as_built, without, clock)
+        elif len(scored[0].fit.effects) == size - 1 and not complete(as_built, scored[0]):
             scored = _revealed(scored, without, clock)
-    return _simplified(scored, nominal, clock)
+    return _simplified(scored, as_built, clock)
 
 
 def shortlist(model: Linearisation, screened: Sequence[Screened]) -> list[Screened]:
@@ -88,14 +88,14 @@ def _best_of_each(found: Iterable[Scored]) -> list[Scored]:
     return list(best.values())
 
 
-def _combine(scored: list[Scored], size: int, nominal: Gaps, without: Sequence[str], clock: Clock) -> list[Scored]:
+def _combine(scored: list[Scored], size: int, as_built: Gaps, without: Sequence[str], clock: Clock) -> list[Scored]:
     """Forward, with a swap: partners for the leader, others for its best partner, then for the next leader."""
     model = scored[0].model
-    leaders = [j for j in scored if len(j.fit.effects) == size - 1 and useful(j, nominal)]
+    leaders = [j for j in scored if len(j.fit.effects) == size - 1 and useful(j, as_built)]
     trunks = [(leader.model, leader.fit.effects) for leader in leaders[: model.budget.leaders]]
     before, first = scored[0].gaps, True
     saving = model.facts.oscillatory  # where all is soon tried a tie is worth the look
-    while trunks and not (saving and solved(nominal, scored[0])):
+    while trunks and not (saving and solved(as_built, scored[0])):
         about, trunk = trunks.pop(0)
         scored = _paired(scored, about, trunk, _partners(about, trunk, without, clock), before, clock)
         if first and len(scored[0].fit.effects) == size:
@@ -147,30 +147,30 @@ def _shared(trunk: tuple[Effect, ...], scored: Sequence[Scored]) -> list[Candida
     return [Candidate((*trunk, effect)) for effect in free[: scored[0].model.budget.singles_beside]]
 
 
-def _simplified(scored: list[Scored], nominal: Gaps, clock: Clock) -> list[Scored]:
+def _simplified(scored: list[Scored], as_built: Gaps, clock: Clock) -> list[Scored]:
     """With what remains of the leader with one effect or some parameters less, as long as that is chosen."""
     leader, budget = scored[0], scored[0].model.budget
     if leader.model.criteria.gain_z:  # it goes by another score
-        leader = choose(scored, nominal) or leader
+        leader = choose(scored, as_built) or leader
     while leader:
         known = {j.fit.candidate.places: j.held_out for j in reversed(scored)}
         parts = _fit_all(leader.model, list(Candidate(leader.fit.effects).simpler()), clock)
         for part in sorted(parts, key=lambda j: len(j.fit.scaled)):
             before = known.get(part.fit.candidate.places, np.inf)
             if part.held_out < min(budget.close * leader.held_out, budget.helped * before):
-                part = _refine(part, nominal, clock)
+                part = _refine(part, as_built, clock)
             if part.held_out < budget.helped * before:
                 scored = _best_of_each([*scored, part])
-                if choose(scored, nominal) is part:
+                if choose(scored, as_built) is part:
                     break
-        chosen = choose(scored, nominal)
+        chosen = choose(scored, as_built)
         if not chosen or len(chosen.fit.scaled) >= len(leader.fit.scaled):
             break
         leader = chosen
     return scored
 
 
-def _refined(scored: Sequence[Scored], nominal: Gaps, clock: Clock) -> list[Scored]:
+def _refined(scored: Sequence[Scored], as_built: Gaps, clock: Clock) -> list[Scored]:
     """Those that are worth it refined.
 
     They come close to the best and leave less than almost all that there was, or have learnt so well that what they say
@@ -179,7 +179,7 @@ def _refined(scored: Sequence[Scored], nominal: Gaps, clock: Clock) -> list[Scor
     if not scored:
         return []
     model, budget = scored[0].model, scored[0].model.budget
-    enough, learnt = 1 + budget.hope * (nominal[1] - 1), near(model, nominal[0])
+    enough, learnt = 1 + budget.hope * (as_built[1] - 1), near(model, as_built[0])
     close = [j for j in scored if j.held_out < min(budget.close * scored[0].held_out, enough)][: budget.leaders]
     close += [j for j in sorted(scored, key=lambda j: j.train)[:1] if j not in close and j.train < learnt]
     if model.criteria.gain_z:  # the simplest that does as well is chosen: special cases must have their chance
@@ -187,11 +187,11 @@ def _refined(scored: Sequence[Scored], nominal: Gaps, clock: Clock) -> list[Scor
         close += [j for j in dict.fromkeys(special) if j not in close]
     done: list[Scored] = []
     for one in close:
-        behind = one.held_out - close[0].held_out > budget.rival * (nominal[1] - 1)
-        if done and behind and solved(nominal, done[0]):
+        behind = one.held_out - close[0].held_out > budget.rival * (as_built[1] - 1)
+        if done and behind and solved(as_built, done[0]):
             done.append(one)
             continue
-        done.append(_refine(one, nominal, clock))
+        done.append(_refine(one, as_built, clock))
         clock.tell(f"{one.label} refined: held-out gap {one.held_out:.2f} -> {done[-1].held_out:.2f}")
     return sorted([*done, *(j for j in scored if j not in close)], key=lambda j: j.held_out)
 
@@ -205,7 +205,7 @@ def near(model: Linearisation, gap: float) -> float:
     return max(model.criteria.near_noise_gap, 1 + model.budget.far * (gap - 1))
 
 
-def _refine(scored: Scored, nominal: Gaps, clock: Clock) -> Scored:
+def _refine(scored: Scored, as_built: Gaps, clock: Clock) -> Scored:
     """Fit again from where the last fit has led, then with the nuisances and model error there, until it stays."""
     budget, oscillatory = scored.model.budget, scored.model.facts.oscillatory
     for number in range(1 + budget.rounds):
@@ -222,7 +222,7 @@ def _refine(scored: Scored, nominal: Gaps, clock: Clock) -> Scored:
             break
         moved, helped = np.abs(again.fit.scaled - scored.fit.scaled), again.train < budget.helped * scored.train
         scored, stays = again, number and np.all(moved < np.maximum(budget.still, again.deviation))
-        hopeless = oscillatory and not helped and again.train > near(model, nominal[0])
+        hopeless = oscillatory and not helped and again.train > near(model, as_built[0])
         if hopeless or (stays and not (helped and max(again.gaps) > model.criteria.explained_gap)):
             break
-    return profiled(scored, nominal[0])
+    return profiled(scored, as_built[0])

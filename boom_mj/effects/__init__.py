@@ -3,20 +3,20 @@
 from boom_mj.engine import mujoco as _mujoco  # noqa: F401  # isort: skip
 
 
-from boom_mj.effects.base import ActuatorEffect as ActuatorEffect
-from boom_mj.effects.base import AngleEffect as AngleEffect
 from boom_mj.effects.base import Array as Array
-from boom_mj.effects.base import ChannelEffect as ChannelEffect
 from boom_mj.effects.base import Effect as Effect
-from boom_mj.effects.base import ForceEffect as ForceEffect
-from boom_mj.effects.base import InputEffect as InputEffect
-from boom_mj.effects.base import MachineEffect as MachineEffect
-from boom_mj.effects.base import ModelEffect as ModelEffect
-from boom_mj.effects.base import Motion as Motion
-from boom_mj.effects.base import OutputEffect as OutputEffect
-from boom_mj.effects.base import ResistEffect as ResistEffect
 from boom_mj.effects.base import Values as Values
-from boom_mj.effects.base import is_output as is_output
+from boom_mj.effects.kinds import ActuatorEffect as ActuatorEffect
+from boom_mj.effects.kinds import AngleEffect as AngleEffect
+from boom_mj.effects.kinds import ChannelEffect as ChannelEffect
+from boom_mj.effects.kinds import ForceEffect as ForceEffect
+from boom_mj.effects.kinds import InputEffect as InputEffect
+from boom_mj.effects.kinds import MachineEffect as MachineEffect
+from boom_mj.effects.kinds import ModelEffect as ModelEffect
+from boom_mj.effects.kinds import Motion as Motion
+from boom_mj.effects.kinds import OutputEffect as OutputEffect
+from boom_mj.effects.kinds import ResistEffect as ResistEffect
+from boom_mj.effects.kinds import is_output as is_output
 from boom_mj.effects.parameter import Parameter as Parameter
 from boom_mj.effects.registry import Equipped as Equipped
 from boom_mj.effects.registry import builtin as builtin

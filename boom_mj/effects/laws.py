@@ -12,19 +12,18 @@ from typing import Any, ClassVar
 import mujoco
 import numpy as np
 
-from boom_mj.effects.base import (
+from boom_mj.effects.base import Array, Effect
+from boom_mj.effects.filters import lagged as lagged
+from boom_mj.effects.kinds import (
     INVERSIONS,
     ActuatorEffect,
     AngleEffect,
-    Array,
     ChannelEffect,
-    Effect,
     ForceEffect,
     ModelEffect,
     Motion,
     OutputEffect,
 )
-from boom_mj.effects.filters import lagged as lagged
 from boom_mj.effects.spec_edits import bent_by, link_hinges
 from boom_mj.machine import Machine, cylinder_lengths
 from boom_mj.recording import Signal

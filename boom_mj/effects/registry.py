@@ -17,8 +17,8 @@ from pkgutil import iter_modules
 from types import ModuleType
 from typing import Any, Generic, TypeVar
 
-from boom_mj.effects.base import Effect, place
-from boom_mj.effects.site import BOOM_SITES, Site
+from boom_mj.effects.base import Effect
+from boom_mj.effects.site import BOOM_SITES, Site, place
 from boom_mj.errors import EffectError, EffectWarning
 from boom_mj.machine import Machine
 

@@ -1,6 +1,6 @@
 """Where effects may be: a place of a machine with what is known of it, and the sites of every boom."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 Location = Mapping[str, int | str]
@@ -82,3 +82,9 @@ BOOM_SITES: tuple[Site, ...] = (
     *(_boom(marker=marker) for marker in MARKERS),
 )
 """Joints 2 and 3 have cylinders; the linkages of joints 3 to 5 may have play; links are clamped at joints 2 to 5."""
+
+
+def place(location: Location, sites: Sequence[Site]) -> Site | None:
+    """The site of a location whose values read alike, None where there is none."""
+    wanted = {key: str(value) for key, value in location.items()}
+    return next((s for s in sites if {key: str(value) for key, value in s.key} == wanted), None)

@@ -6,6 +6,7 @@ from itertools import pairwise
 import mujoco
 import numpy as np
 
+from boom_mj.engine import mass_matrix
 from boom_mj.machine import Machine
 from boom_mj.machine.shapes import STIFFNESS
 
@@ -129,9 +130,7 @@ def add_series_joint(spec: mujoco.MjSpec, joint: str, kind: str, half_gap: float
 def _inertia(spec: mujoco.MjSpec, joint: str) -> float:
     """That a joint turns (or moves), as compiled, without its own armature."""
     model = spec.copy().compile()
-    data, mass = mujoco.MjData(model), np.zeros((model.nv, model.nv))
-    mujoco.mj_forward(model, data)
-    mujoco.mj_fullM(model, data, mass)
+    mass = mass_matrix(model)
     dof = model.joint(joint).dofadr[0]
     return max(float(mass[dof, dof] - model.dof_armature[dof]), 1e-9)
 

@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 from scipy.linalg import eigvalsh
 
+from boom_mj.engine import mass_matrix
 from boom_mj.errors import MachineFileError, numbers_of
 from boom_mj.machine import AXES, Elastic, Machine
 from boom_mj.mjcf import scene
@@ -191,10 +192,7 @@ def add_readings(spec: mujoco.MjSpec) -> None:
 def _tune_drives(spec: mujoco.MjSpec, machine: Machine) -> None:
     """Position servos stiff enough to hold the stretched boom, in the order of the joints, before the rope."""
     model = spec.compile()
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    inertia = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, data, inertia)
+    inertia = mass_matrix(model)
     for number, drive in enumerate(machine.drives):
         omega = 2 * np.pi * DRIVE_FREQUENCY
         own = float(inertia[model.joint(f"joint{number + 1}").dofadr[0]][model.joint(f"joint{number + 1}").dofadr[0]])
@@ -217,9 +215,7 @@ def stable_step(spec: mujoco.MjSpec, machine: Elastic) -> float:
     if machine.damping.relaxation_time >= TIMESTEP / 2:
         return TIMESTEP
     model = spec.compile()
-    data, mass = mujoco.MjData(model), np.zeros((model.nv, model.nv))
-    mujoco.mj_forward(model, data)
-    mujoco.mj_fullM(model, data, mass)
+    mass = mass_matrix(model)
     elastic = np.flatnonzero(model.jnt_stiffness.reshape(model.njnt, -1)[:, 0])
     stiffness = model.jnt_stiffness.reshape(model.njnt, -1)[elastic, 0]
     fastest = np.sqrt(eigvalsh(np.diag(stiffness), mass[np.ix_(elastic, elastic)])[-1])

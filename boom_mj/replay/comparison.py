@@ -1,5 +1,6 @@
 """Two recordings of one experiment, channel group by channel group, in units of sensor noise."""
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -7,6 +8,7 @@ import numpy as np
 from boom_mj.recording import Recording
 
 Array = np.ndarray
+MARKERS_PER_LINK = 3
 
 
 @dataclass(frozen=True)
@@ -35,15 +37,26 @@ class Group:
         return self.rms / self.noise if self.noise else float("inf")
 
 
-def compare(log: Recording, twin: Recording, noise: dict[str, Array]) -> tuple[Group, ...]:
-    """Root mean square of log - simulation in every channel group, against the sensor's noise."""
+def compare(
+    log: Recording, twin: Recording, noise: Mapping[str, Array], group_of: Callable[[str, int], str] | None = None
+) -> tuple[Group, ...]:
+    """Root mean square of log - simulation in every channel group, against the sensor's noise.
+
+    Args:
+        noise: of samples, by signal, one per channel, (k,).
+        group_of: name of the group of a signal's column; of a boom's if left out.
+    """
     groups = []
     for name, level in noise.items():
         if name not in log or name not in twin or name == "joint/position":
             continue
         signal = log[name]
         difference = signal.values - twin[name].values
-        for group, columns in _groups(name, signal.channels).items():
+        columns_of: dict[str, list[int]] = {}
+        for column, channel in enumerate(signal.channels):
+            group = group_of(name, column) if group_of else boom_group(name, channel)
+            columns_of.setdefault(group, []).append(column)
+        for group, columns in columns_of.items():
             part = difference[:, columns]
             rms = float(np.sqrt(np.nanmean(part**2))) if np.isfinite(part).any() else float("nan")
             groups.append(Group(group, signal.unit, rms, float(level[columns[0]]), name, tuple(columns)))
@@ -60,13 +73,9 @@ def residual(log: Recording, twin: Recording) -> Recording:
     return replace(log, description=f"measured - simulated: {log.description}", signals=signals)
 
 
-def _groups(name: str, channels: tuple[str, ...]) -> dict[str, list[int]]:
-    """Channel groups of a signal: name to columns."""
+def boom_group(name: str, channel: str) -> str:
+    """Channel group of a channel: sensor, link and direction, such as "markers/link4/z"."""
     if name == "markers":
-        found: dict[str, list[int]] = {}
-        for column, channel in enumerate(channels):
-            number, axis = int(channel[len("marker") : channel.index("/")]), channel[-1]
-            found.setdefault(f"markers/link{2 + (number - 1) // 3}/{axis}", []).append(column)
-        return found
-    stem = "cylinder" if name.startswith("cylinder") else name
-    return {(channel if stem == "cylinder" else f"{name}/{channel}"): [k] for k, channel in enumerate(channels)}
+        number, axis = int(channel.partition("/")[0].removeprefix("marker")), channel[-1]
+        return f"markers/link{2 + (number - 1) // MARKERS_PER_LINK}/{axis}"
+    return channel if name.startswith("cylinder") else f"{name}/{channel}"

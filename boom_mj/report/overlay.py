@@ -44,7 +44,7 @@ def overlay(replay: Replay) -> Figure:
         for k, group in enumerate(panels):
             pair = rows[k].subgridspec(2, 1, height_ratios=[2.2, 1], hspace=0.12)
             axes = figure.add_subplot(pair[0]), figure.add_subplot(pair[1])
-            _draw_pair(*axes, replay, group, worst=k == 0)
+            draw_pair(*axes, replay, group, worst=k == 0)
             axes[1].tick_params(labelbottom=k == len(panels) - 1)
         if panels:
             axes[1].set_xlabel("time, s", labelpad=1)
@@ -52,8 +52,8 @@ def overlay(replay: Replay) -> Figure:
             place: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (0.595, 0.944)}
             figure.legend(handles=shown, ncols=3, frameon=False, borderaxespad=0, borderpad=0, **place)
         right = GridSpec(2, 1, figure, left=0.74, right=0.985, top=0.92, bottom=0.06, height_ratios=[1, 2], hspace=0.3)
-        _draw_shapes(figure.add_subplot(right[0]), replay, _worst_moment(replay, panels))
-        _draw_ratios(figure.add_subplot(right[1]), replay.groups)
+        draw_shapes(figure.add_subplot(right[0]), replay, _worst_moment(replay, panels))
+        draw_ratios(figure.add_subplot(right[1]), replay.groups)
     return figure
 
 
@@ -89,7 +89,8 @@ def _worst_moment(replay: Replay, panels: list[Group]) -> float | None:
     return float(signal.time[np.argmax(smooth)] - replay.log["joint/position"].time[0])
 
 
-def _draw_pair(upper: Axes, lower: Axes, replay: Replay, group: Group, worst: bool) -> None:
+def draw_pair(upper: Axes, lower: Axes, replay: Replay, group: Group, worst: bool = False) -> None:
+    """A channel group's furthest channel, log and simulation above, residual and noise below, into any two axes."""
     signal, column = replay.log[group.signal], _column(replay, group)
     measured, simulated = signal.values[:, column], replay.twin[group.signal].values[:, column]
     unit, factor = UNITS.get(group.unit, (group.unit, 1.0))
@@ -117,8 +118,12 @@ def _draw_pair(upper: Axes, lower: Axes, replay: Replay, group: Group, worst: bo
     lower.grid(axis="x")
 
 
-def _draw_shapes(axes: Axes, replay: Replay, worst: float | None) -> None:
-    """Seen from the side, in the vertical plane that turns with the slewing joint."""
+def draw_shapes(axes: Axes, replay: Replay, worst: float | None = None) -> None:
+    """The boom from the side at three moments, in the vertical plane that turns with the slewing joint.
+
+    Args:
+        worst: the moment between start and end, s; the middle if left out.
+    """
     motion = replay.trajectory
     last = float(motion.time[-1])
     moments = sorted({0.0, last / 2 if worst is None else min(max(worst, 0.0), last), last})
@@ -142,7 +147,8 @@ def _draw_shapes(axes: Axes, replay: Replay, worst: float | None) -> None:
     axes.grid()
 
 
-def _draw_ratios(axes: Axes, groups: tuple[Group, ...]) -> None:
+def draw_ratios(axes: Axes, groups: tuple[Group, ...]) -> None:
+    """Gaps of all channel groups as bars, worst first."""
     known = sorted((g for g in groups if np.isfinite(g.ratio)), key=lambda group: -group.ratio)
     if not known:
         axes.set_axis_off()

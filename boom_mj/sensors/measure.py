@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from boom_mj.effects import AngleEffect, Effect, OutputEffect
-from boom_mj.effects.base import INVERSIONS
+from boom_mj.effects.kinds import INVERSIONS
 from boom_mj.machine import Machine, cylinder_lengths
 from boom_mj.recording import Recording, Signal, named_signal, sample
 from boom_mj.simulation import Experiment, Trajectory

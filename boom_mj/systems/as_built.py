@@ -25,6 +25,11 @@ from boom_mj.systems.system import (
 Array = np.ndarray
 
 
+def nominal_system(system: System) -> System:
+    """The machine as its file is, whatever is known of how it was built."""
+    return system.system if isinstance(system, AsBuilt) else system
+
+
 class AsBuilt:
     """Another system of which every hypothesis has some effects besides.
 
@@ -69,9 +74,9 @@ class AsBuilt:
         return self.system.next_experiment(rivals, done) if isinstance(self.system, Designs) else None
 
     def corrected(self, causes: Hypothesis, nuisances: Hypothesis = ()) -> str:
-        """Its file with what it was built with, and effects."""
+        """Its file with effects in it; what it was built with is one of its nuisances."""
         assert isinstance(self.system, Corrects)
-        return self.system.corrected(causes, (*self.built, *nuisances))
+        return self.system.corrected(causes, nuisances)
 
     def column(self, effect: Effect, data: Dataset, nuisances: Array) -> Array | None:
         """Of the system, if it knows responses."""

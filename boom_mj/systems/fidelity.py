@@ -40,6 +40,7 @@ class FidelityLadder:
         middle: of the base of all predictions.
         checks: what they find missing adds up.
         shown: of simulated recordings for people.
+        simplest: which recordings may come from that were simulated, not measured; None where there is none such.
         along: share of what is doubtful that may be wrong alike all along a channel.
     """
 
@@ -49,3 +50,4 @@ class FidelityLadder:
     checks: tuple[Refinement, ...]
     shown: Level
     along: float = 0.0
+    simplest: Level | None = None

@@ -27,6 +27,7 @@ class Wording:
         phases: words of `Timeline.phases`, in their order.
         first_part: what trains of a recording that does so in part.
         finer: what a finer model has.
+        simplest: what the simplest model has, and how one gets a finer one.
         zero_offset: id of the nuisance that is a sensor's zero offset.
         frames: which way directions point.
     """
@@ -36,6 +37,7 @@ class Wording:
     finer: str
     zero_offset: str
     frames: str = ""
+    simplest: str = ""
 
 
 @dataclass(frozen=True)

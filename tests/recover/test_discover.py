@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from boom_mj import cli
+from boom_mj.cli.documents.gap import GapDiagnose, GapDiscover
 
 MODEL = """
 <mujoco model="carriage">
@@ -68,6 +69,7 @@ def test_cogging_comes_back_as_a_ripple(tmp_path: Path, capsys: pytest.CaptureFi
     words, law = measured(tmp_path, AMPLITUDE), tmp_path / "cogging.py"
     out = run([*words, "--json", "-", "-o", str(law), "--html", str(tmp_path / "page.html")], capsys)
     found = json.loads(out)
+    GapDiscover.model_validate_json(out)
     assert found["verdict"] == "law" and found["law"]["terms"] == ["ripple"], found["sentence"]
     assert found["law"]["place"] == {"joint": "slide"} and found["law"]["same_as"] is None
     size = {name: p["value"] for name, p in found["law"]["parameters"].items()}
@@ -76,6 +78,7 @@ def test_cogging_comes_back_as_a_ripple(tmp_path: Path, capsys: pytest.CaptureFi
     assert found["gap"]["closure"] > 0.95
     assert "sin(2 * pi * position / period)" in (tmp_path / "page.html").read_text()
     again = json.loads(run(["gap", "diagnose", *words[2:], "--effects", str(law), "--json", "-"], capsys))
+    GapDiagnose.model_validate(again)
     assert [effect["id"] for effect in again["effects"]] == ["cogging"], again["sentence"]
 
 

@@ -4,12 +4,16 @@ import re
 from dataclasses import replace
 from functools import cache
 from html.parser import HTMLParser
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
-from boom_mj.diagnosis import Diagnosis, document
+from boom_mj.api import Answer
+from boom_mj.cli.documents import GapDiagnose
+from boom_mj.diagnosis import Diagnosis, document, nominal_predictor, steps
 from boom_mj.diagnosis.budget import odds
 from boom_mj.diagnosis.candidate import Candidate
 from boom_mj.diagnosis.criteria import BOOM as CRITERIA
@@ -20,7 +24,9 @@ from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.scoring import Scored
 from boom_mj.diagnosis.screening import Screened
 from boom_mj.diagnosis.sentences import sentence
+from boom_mj.diagnosis.steps import ChannelSteps
 from boom_mj.effects import make_effect
+from boom_mj.errors import InputError
 from boom_mj.estimation.bootstrap import Closure, gap
 from boom_mj.estimation.linear import LinearPosterior
 from boom_mj.estimation.noise import NoiseModel
@@ -31,6 +37,7 @@ from boom_mj.report import write_diagnosis
 from boom_mj.report.diagnosis.page import SECTIONS, diagnosis_page
 from boom_mj.report.diagnosis.view import View
 from boom_mj.report.words import digits_of, gap_size, number, percent, spoken
+from boom_mj.systems.as_built import AsBuilt
 from boom_mj.systems.boom import BoomSystem
 from boom_mj.systems.predictor import Predictor, dataset_of
 
@@ -38,6 +45,8 @@ ROOT = Path(__file__).parents[2]
 BOOM = load_machine(ROOT / "models" / "boom36.toml")
 HOSTILE = '<script src="https://evil.example/x.js"></script>'
 NAMES = ("one.mcap", f"{HOSTILE}.mcap", "\"'><img src=//evil.example onerror=alert(1)>.mcap")
+CHANNELS = [ChannelSteps(name, f"{HOSTILE}/x", 8.25, 7.5, 1.125, 0.1) for name in NAMES]
+STAYING = "verdict sentence effects others rivals ties next_experiment gap where remainder data complete provenance"
 PAYLOAD = (make_effect("tip_payload", {"mass": 40.0}),)
 HEAVIER = (make_effect("link_mass", {"link": 5, "factor": 1.1}),)
 SOFT = (make_effect("hydraulic_compliance", {"joint": 3, "stiffness": 2e7}),)
@@ -121,7 +130,8 @@ def diagnosis(case: str, training: int = 2) -> Diagnosis:
 
 @cache
 def page(case: str, training: int = 2) -> str:
-    return diagnosis_page(diagnosis(case, training), NAMES)
+    found = diagnosis(case, training)
+    return diagnosis_page(found, document(found, NAMES, channels=CHANNELS))
 
 
 class Reader(HTMLParser):
@@ -211,7 +221,29 @@ def test_the_verdict_is_told() -> None:
         assert "Causes that are sure, though something is left" in words[case]
         assert "does not explain enough" not in words[case]
     assert "raises the gap" in words["explained"]
-    assert "corrected model" not in words["consistent"]
+    assert "with causes" not in words["consistent"]
+
+
+def test_the_way_from_the_data_sheet_is_shown() -> None:
+    for case in ("explained", "consistent"):
+        words = " ".join(" ".join(Reader(page(case)).words).split())
+        assert "8.25 7.50" + " 1.12" * (case == "explained") in words
+        assert "link mass (link 5), factor 1.0000 ± 0.0030 1.0000" in words
+    gaps = document(diagnosis("explained"), NAMES)["gap"]["holdout"]
+    assert list(gaps) == ["nominal", "before", "after", "floor"] and gaps["before"] > gaps["after"]
+
+
+@pytest.mark.parametrize("case", VERDICTS)
+def test_the_answer_has_the_keys_that_stay_and_those_of_version_0_1(case: str) -> None:
+    answer = document(diagnosis(case), NAMES, channels=CHANNELS)
+    GapDiagnose.model_validate(answer)
+    assert set(STAYING.split()) <= set(answer)
+    assert set(["train", "holdout", "closure", "closure_interval", "fidelity_alone"]) <= set(answer["gap"])
+    made, left = answer["provenance"], answer["remainder"]
+    assert answer["pushes"] == answer["residual_forces"]
+    assert answer["unexplained"] == (left and {**left, "learn_from": left["train_with"]})
+    assert made["recordings"]["learnt_in_part"] == made["recordings"]["trained_in_part"] == []
+    assert [made["hinges"][key] for key in ("contest", "predictions", "fidelity", "check")] == [3, 3, 4, 4]
 
 
 def test_of_a_part_that_is_explained_the_causes_that_are_sure_are_named() -> None:
@@ -228,19 +260,31 @@ def test_of_a_part_that_is_explained_the_causes_that_are_sure_are_named() -> Non
 def test_gaps_before_and_after_are_those_of_the_residuals() -> None:
     found = diagnosis("explained")
     view, data = View(found, NAMES, {}), found.model.data
-    for residuals, side in ((found.nominal, "before"), (found.best.fit.residual, "after")):
+    for residuals, side in ((found.as_built, "before"), (found.best.fit.residual, "after")):
         rows = [c for c in data.channels if c.recording == 2]
         counts: dict[str, int] = {}
         for channel in rows:
             counts[channel.group] = counts.get(channel.group, 0) + int(np.isfinite(channel.measured).sum())
         total = sum(counts[name] * getattr(change, side) ** 2 for name, change in view.by_group.items())
         assert total == pytest.approx(float(residuals[data.held_out] @ residuals[data.held_out]), rel=1e-12)
-    shown = (view.data.measured - view.nominal) * found.model.noise.weight
-    assert np.nanmax(np.abs(shown - found.nominal)) < 1e-6
+    shown = (view.data.measured - view.built) * found.model.noise.weight
+    assert np.nanmax(np.abs(shown - found.as_built)) < 1e-6
+
+
+def test_a_machine_that_healthy_recordings_inform_has_a_page() -> None:
+    found, softer = diagnosis("explained"), make_effect("link_stiffness", {"link": 3, "axis": "v", "factor": 0.97})
+    built = Predictor(AsBuilt(found.model.system, (softer,)), found.model.data, threads=1)
+    found = replace(found, model=replace(found.model, predictor=built))
+    assert nominal_predictor(found).system is predictor(2).system
+    assert (
+        steps(found)["data_sheet"] == () and [steps(found)[s][0] for s in ("as_built", "with_causes")] == [softer] * 2
+    )
+    assert "On the machine" in diagnosis_page(found, document(found, NAMES))
 
 
 def test_the_file_is_written(tmp_path: Path) -> None:
-    write_diagnosis(diagnosis("explained"), NAMES, tmp_path / "page.html")
+    found = diagnosis("explained")
+    write_diagnosis(found, document(found, NAMES), tmp_path / "page.html")
     text = (tmp_path / "page.html").read_text()
     assert text.startswith("<!DOCTYPE html>")
     assert text.rstrip().endswith("</html>")
@@ -275,7 +319,7 @@ def test_what_only_recordings_held_out_show_is_to_train_with() -> None:
     found = diagnosis(VERDICTS[-1])
     assert not found.not_trained
     data = found.model.data
-    hidden = replace(found, nominal=np.where(data.train, residual(found.model, 1.0), found.nominal))
+    hidden = replace(found, as_built=np.where(data.train, residual(found.model, 1.0), found.as_built))
     (index,) = hidden.not_trained
     name = data.recordings[index].name
     assert index == 2 and f"train with {name} as well" in sentence(hidden)
@@ -296,6 +340,30 @@ def test_a_part_of_a_recording_held_out_that_trained_as_well_is_told() -> None:
     assert f"the first 60% of {HOSTILE} trained as well" in sentence(found)
     parts = [View(found, NAMES, answer).part(k) for k in range(3)]
     assert parts == ["training", "held out", "training: the first 60\N{NO-BREAK SPACE}%; the rest held out"]
+
+
+def test_recordings_of_one_hinge_are_told_to_be_simulated() -> None:
+    for case, size, shown in (("unexplained", 0.99, True), ("unexplained", 1.5, False), ("partial", 0.99, True)):
+        found = replace(diagnosis(case), simplest=size)
+        assert ("one hinge per elastic coordinate" in sentence(found)) == shown
+        assert document(found, NAMES)["gap"]["simplest_model"] == size
+    assert "one hinge" not in sentence(diagnosis("unexplained"))
+
+
+def test_an_answer_draws_into_axes_and_makes_tables() -> None:
+    answer = Answer(BOOM, diagnosis("explained"), NAMES)
+    answer.__dict__["document"] = document(answer.found, NAMES, channels=CHANNELS)  # without simulating it
+    axes = Figure().subplots()
+    answer.draw_gaps(axes)
+    assert len(axes.get_yticks()) == len(View(answer.found, NAMES, answer.document).groups)
+    with pytest.raises(InputError, match=r"no table 'effect'; it has effects, .*channels"):
+        answer.to_frame("effect")
+    if find_spec("pandas"):
+        assert list(answer.to_frame("channels").with_causes) == [1.125] * 3
+        assert answer.to_frame().loc[0, "parameters.mass.unit"] == "kg"
+    else:
+        with pytest.raises(InputError, match="pandas"):
+            answer.to_frame()
 
 
 def test_what_surely_leaves_some_of_a_small_gap_is_no_explanation() -> None:

@@ -18,7 +18,7 @@ from typer.core import TyperGroup
 
 from boom_mj.cli import app
 from boom_mj.diagnosis.criteria import Criteria, SearchBudget
-from boom_mj.effects import Effect, Motion, base, effect_library, registry
+from boom_mj.effects import Effect, Motion, effect_library, kinds, registry
 from boom_mj.logs.topic_map import Entry
 from boom_mj.machine import load_machine
 from boom_mj.machine.beam import Clamp, Marker
@@ -38,7 +38,7 @@ CALLS = [
     if not call.startswith("COMMAND")
 ]
 COMMANDS = {}
-KINDS = [k for k in vars(base).values() if inspect.isclass(k) and issubclass(k, Effect) and k is not Effect]
+KINDS = [k for k in vars(kinds).values() if inspect.isclass(k) and issubclass(k, Effect) and k is not Effect]
 GLOSSARY = ROOT / "docs" / "reference" / "glossary.md"
 _, _, LIST = GLOSSARY.read_text().partition("## Words that pages do not use")
 WORDS = [word for row in re.findall(r"^\| (`.*?) \|", LIST, re.M) for word in re.findall(r"`([^`]+)`", row)]

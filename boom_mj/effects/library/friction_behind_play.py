@@ -5,7 +5,7 @@ from typing import Any
 
 import mujoco
 
-from boom_mj.effects.base import Array, ModelEffect, Values
+from boom_mj.effects import Array, ModelEffect, Values
 from boom_mj.effects.parameter import Parameter
 from boom_mj.effects.site import Site
 from boom_mj.effects.spec_edits import move_friction_behind

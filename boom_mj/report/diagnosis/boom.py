@@ -89,8 +89,8 @@ def sensed(view: View) -> list[Sensed]:
     channels = view.data.channels
     parts = {**view.changes([_part(view, c) for c in channels], view.data.held_out)}
     parts |= view.changes([view.places[c.group].part for c in channels], view.data.held_out & _on_links(view))
-    before = Sensed("nominal", {name: change.before for name, change in parts.items()})
-    after = Sensed("corrected", {name: change.after for name, change in parts.items()})
+    before = Sensed("as built", {name: change.before for name, change in parts.items()})
+    after = Sensed("with causes", {name: change.after for name, change in parts.items()})
     return [before, after] if view.corrected else [before]
 
 
@@ -108,7 +108,7 @@ def _part(view: View, channel: Channel) -> str:
 
 
 def worst_recording(view: View) -> int:
-    """Index of the recording that holds most of the nominal gap."""
+    """Index of the recording that holds most of the gap."""
     return int(np.argmax(np.bincount(view.data.recording_of, view.before**2)))
 
 

@@ -13,7 +13,7 @@ from boom_mj.report.section import Section
 from boom_mj.report.words import effect_name, spoken
 
 WIDTH, MARGIN = 300.0, 10.0  # px of the scale, and beside it
-BEYOND = 30.0  # times the nominal gap, where the scale ends
+BEYOND = 30.0  # times the gap as built, where the scale ends
 UNFITTED = 6  # candidates that screening sorted out and that are listed
 
 
@@ -32,20 +32,23 @@ class Rung:
 
 def section(view: View) -> Section:
     gaps = view.answer["gap"]
-    nominal = _known(gaps["train"]["before"]), _known(gaps["holdout"]["before"])
-    everything = [*nominal, *(gap for j in view.found.scored for gap in (j.train, j.held_out))]
+    sheet, built = ((_known(gaps["train"][at]), _known(gaps["holdout"][at])) for at in ("nominal", "before"))
+    everything = [*sheet, *built, *(gap for j in view.found.scored for gap in (j.train, j.held_out))]
     highest = max([gap for gap in everything if np.isfinite(gap)], default=1.0)
-    low, high = 0.8, max(4.0, min(1.15 * highest, BEYOND * float(np.nanmax([1.0, *nominal]))))
+    low, high = 0.8, max(4.0, min(1.15 * highest, BEYOND * float(np.nanmax([1.0, *built]))))
     at = _scale(low, high)
 
     def rung(name: str, role: str, train: float, held_out: float, why: str) -> Rung:
         return Rung(name, role, train, held_out, at(train), at(held_out), why)
 
-    rungs = [rung("nominal model", "nominal", *nominal, "nothing added")]
+    rungs = [
+        rung("data sheet", "nominal", *sheet, "the file as it is"),
+        rung("as built", "built", *built, "no causes, nuisances alone"),
+    ]
     for judged in view.found.scored:
         own, tied = judged is view.found.best, judged in view.found.ties
         name = " + ".join(effect_name({"id": e.id, "location": e.location}) for e in judged.fit.effects)
-        why = _own(view) if own else _why_not(view, judged, nominal)
+        why = _own(view) if own else _why_not(view, judged, built)
         role = "best" if own else "tie" if tied else "rival"
         rungs.append(rung(name, role, judged.train, judged.held_out, why))
     ticks = [(tick, at(tick)) for tick in gap_ticks(low, high)]
@@ -66,11 +69,11 @@ def _own(view: View) -> str:
     return "the explanation"
 
 
-def _why_not(view: View, judged: Scored, nominal: tuple[float, float]) -> str:
+def _why_not(view: View, judged: Scored, built: tuple[float, float]) -> str:
     """Why a rival lost; what it closes only where it closes anything."""
-    if not judged.held_out > nominal[1]:
+    if not judged.held_out > built[1]:
         return spoken(rival(view.found, judged)["why_not"])
-    if judged.train < nominal[0]:
+    if judged.train < built[0]:
         return "raises the held-out gap, though it lowers that in training"
     return "raises the gap"
 

@@ -6,6 +6,7 @@ from typing import Any
 from boom_mj.report.diagnosis import boom, tree
 from boom_mj.report.diagnosis.view import View
 from boom_mj.report.section import Section
+from boom_mj.systems.as_built import nominal_system
 
 PICTURES: Mapping[str, tuple[str, Callable[[View, Any], Mapping[str, Any]]]] = {
     "boom": ("boom.html", boom.picture),
@@ -15,4 +16,4 @@ PICTURES: Mapping[str, tuple[str, Callable[[View, Any], Mapping[str, Any]]]] = {
 
 def section(view: View) -> Section:
     template, picture = PICTURES[view.facts.kind]
-    return Section("machine", "On the machine", {"kind": template, **picture(view, view.system)})
+    return Section("machine", "On the machine", {"kind": template, **picture(view, nominal_system(view.system))})

@@ -1,4 +1,4 @@
-"""Measured, nominal and corrected over each other, for the groups that matter most, with their residuals."""
+"""Measured, as built and with causes over each other, for the groups that matter most, with their residuals."""
 
 from collections import defaultdict
 from dataclasses import dataclass
@@ -44,7 +44,7 @@ def section(view: View) -> Section:
 
 
 def group_shares(view: View) -> dict[str, float]:
-    """Share of the nominal squared residual of every channel group, largest first."""
+    """Share of the squared residual of every channel group as built, largest first."""
     power: dict[str, float] = defaultdict(float)
     for number, channel in enumerate(view.data.channels):
         part = view.before[view.data.stretch(number)]
@@ -73,13 +73,13 @@ def overlay(view: View, group: str, share: float, index: int) -> Overlay:
     seen = data.used[rows]
     factor, unit = _scale(signal.unit, data.measured[rows][seen])
     time = channel.time
-    measured, nominal, corrected = (
-        np.where(seen, factor * values[rows], np.nan) for values in (data.measured, view.nominal, view.explained)
+    measured, built, corrected = (
+        np.where(seen, factor * values[rows], np.nan) for values in (data.measured, view.built, view.explained)
     )
     weight = view.model.noise.weight[rows]
     spread = 2 * factor * np.where(weight > 0, 1 / np.where(weight > 0, weight, 1.0), np.nan)
     window = _window(time, np.where(seen, view.before[rows], 0.0))
-    lines = [(nominal, NOMINAL, 1.2)] + ([(corrected, CORRECTED, 1.2)] if view.corrected else [])
+    lines = [(built, NOMINAL, 1.2)] + ([(corrected, CORRECTED, 1.2)] if view.corrected else [])
 
     def paint(figure: Figure) -> None:
         upper, lower = figure.subplots(2, 1, height_ratios=[3, 1.3])
@@ -115,7 +115,7 @@ def _scale(unit: str, values: Array) -> tuple[float, str]:
 
 
 def _power(view: View, rows: slice) -> float:
-    """Squared nominal residual of the held-out entries; less than nothing where all are hidden."""
+    """Squared residual as built of the held-out entries; less than nothing where all are hidden."""
     held = view.data.held_out[rows]
     return float(np.sum(view.before[rows][held] ** 2)) if held.any() else -1.0
 

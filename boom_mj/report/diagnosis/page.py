@@ -1,33 +1,31 @@
 """The page itself: sections in their order, one template each, one file that fetches nothing."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from boom_mj.diagnosis import Diagnosis, document
+from boom_mj.diagnosis import Diagnosis
 from boom_mj.files import write_text
-from boom_mj.replay.quality import DataFinding
-from boom_mj.report.diagnosis import change, ladder, left, machine, overlays, verdict, where
-from boom_mj.report.diagnosis.view import View
+from boom_mj.report.diagnosis import change, ladder, left, machine, overlays, steps, verdict, where
+from boom_mj.report.diagnosis.view import view_of
 from boom_mj.report.templating import page_environment
 from boom_mj.report.words import effect_name, gap_size, number, percent
 
-SECTIONS = (where, machine, ladder, overlays, change, left)
+SECTIONS = (where, machine, ladder, steps, overlays, change, left)
 
 
-def write_diagnosis(found: Diagnosis, names: Sequence[str], path: Path, findings: Sequence[DataFinding] = ()) -> None:
+def write_diagnosis(found: Diagnosis, answer: Mapping[str, Any], path: Path) -> None:
     """Write a diagnosis as one HTML file with everything in it.
 
     Args:
-        names: of the logs, training first, as the answer lists them.
-        findings: what is wrong with the logs themselves.
+        answer: its document, with the gaps of all channels if the page shall show them.
     """
-    write_text(path, diagnosis_page(found, names, findings))
+    write_text(path, diagnosis_page(found, answer))
 
 
-def diagnosis_page(found: Diagnosis, names: Sequence[str], findings: Sequence[DataFinding] = ()) -> str:
+def diagnosis_page(found: Diagnosis, answer: Mapping[str, Any]) -> str:
     """The page as text."""
-    view = View(found, tuple(names), document(found, names, findings))
+    view = view_of(found, answer)
     head, *sections = (module.section(view) for module in (verdict, *SECTIONS))
     environment = page_environment(
         "boom_mj.report.diagnosis",

@@ -67,7 +67,7 @@ def figures(view: View) -> list[tuple[str, str, str]]:
         (
             "Gap held out",
             _fall(gap["holdout"], view.corrected),
-            "rms of measured less simulated, over noise; 1 is the floor",
+            f"data sheet, as built{', with causes' if view.corrected else ''}; in units of noise, 1 is the floor",
         ),
         ("Gap in training", _fall(gap["train"], view.corrected), "the recordings that the fit has seen"),
     ]
@@ -115,5 +115,5 @@ def _ties(view: View) -> list[Any]:
 
 
 def _fall(gaps: Mapping[str, float | None], corrected: bool) -> str:
-    before, after = gaps["before"], gaps["after"]
-    return f"{gap_size(before)} → {gap_size(after)}" if corrected else gap_size(before)
+    steps = ("nominal", "before", "after") if corrected else ("nominal", "before")
+    return " → ".join(gap_size(gaps[step]) for step in steps)

@@ -57,7 +57,7 @@ class View:
 
     @property
     def corrected(self) -> bool:
-        """Whether there is a correction to show beside the nominal model."""
+        """Whether there is a correction to show beside the machine as built."""
         return self.found.best is not None
 
     @property
@@ -67,17 +67,17 @@ class View:
 
     @property
     def before(self) -> Array:
-        """Whitened residual of the nominal model, (N,)."""
-        return self.found.nominal
+        """Whitened residual of the machine as built, (N,)."""
+        return self.found.as_built
 
     @property
     def after(self) -> Array:
-        """Whitened residual of the best explanation, (N,); the nominal one where there is none."""
-        return self.found.best.fit.residual if self.found.best else self.found.nominal
+        """Whitened residual of the best explanation, (N,); that of the machine as built where there is none."""
+        return self.found.best.fit.residual if self.found.best else self.found.as_built
 
     @cached_property
-    def nominal(self) -> Array:
-        """What the nominal model with its nuisances says, in units of the channels, (N,); NaN where hidden."""
+    def built(self) -> Array:
+        """What the machine as built says, with its nuisances, in units of the channels, (N,); NaN where hidden."""
         return self._said(self.found.model, self.before)
 
     @cached_property
@@ -96,7 +96,7 @@ class View:
 
     @cached_property
     def cells(self) -> tuple[Cell, ...]:
-        """Where the nominal gap lies, in all recordings."""
+        """Where the gap of the machine as built lies, in all recordings."""
         return locate(self.found.model, self.before)
 
     @cached_property
@@ -191,6 +191,12 @@ class View:
             self.change(self._titled(k), data.used & (data.recording_of == k)) for k in range(len(data.recordings))
         ]
         return [change for change in changes if np.isfinite(change.before)]
+
+
+def view_of(found: Diagnosis, answer: Mapping[str, Any]) -> View:
+    """A diagnosis and its document."""
+    logs = answer["provenance"]["recordings"]
+    return View(found, (*logs["train"], *logs["holdout"]), answer)
 
 
 def _axes(place: ChannelPlace) -> tuple[str, str, str]:

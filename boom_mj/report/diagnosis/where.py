@@ -1,4 +1,4 @@
-"""Where the gap of the nominal model lies."""
+"""Where the gap of the machine as built lies."""
 
 from boom_mj.report.diagnosis.heat import heat_map
 from boom_mj.report.diagnosis.view import View

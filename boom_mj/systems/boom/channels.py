@@ -1,23 +1,15 @@
 """Where a boom's channels belong: sensor, link and direction."""
 
 from boom_mj.recording import QUANTITIES
+from boom_mj.replay.comparison import boom_group
 from boom_mj.systems.system import ChannelPlace
 
-MARKERS_PER_LINK = 3
 SENSORS = {"specific_force": "accelerometer", "angular_rate": "gyroscope"}
-
-
-def group_of(signal: str, channel: str) -> str:
-    """Channel group: sensor, link and direction, such as "markers/link4/z"."""
-    if signal == "markers":
-        number, axis = int(channel.partition("/")[0].removeprefix("marker")), channel[-1]
-        return f"markers/link{2 + (number - 1) // MARKERS_PER_LINK}/{axis}"
-    return channel if signal.startswith("cylinder") else f"{signal}/{channel}"
 
 
 def channel_place(signal: str, column: int) -> ChannelPlace:
     """Of a signal's column."""
-    group = group_of(signal, QUANTITIES[signal].channels[column])
+    group = boom_group(signal, QUANTITIES[signal].channels[column])
     if group.startswith("imu/"):
         _, link, kind, direction = group.split("/")
         sensor = SENSORS[kind]

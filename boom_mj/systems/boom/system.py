@@ -42,8 +42,15 @@ from boom_mj.systems.system import (
 Array = np.ndarray
 ROUGH = COARSE = Level(2.0, 2)  # flanks of play diverge at steps of 20 ms
 MIDDLE, FINE, SHARP = Level(2.0, 3), Level(2.0, 4), Level(1.0, 3)  # more hinges, half the step: of first order in it
+SHOWN = Level(1.0, 4)  # nearest to what both checks add up to, and what `replay --hinges 4` simulates
 FIDELITY = FidelityLadder(
-    ROUGH, COARSE, MIDDLE, (Refinement(FINE, 1.0, 1.0), Refinement(SHARP, 2.0, 1.0)), SHARP, along=0.5
+    ROUGH,
+    COARSE,
+    MIDDLE,
+    (Refinement(FINE, 1.0, 1.0), Refinement(SHARP, 2.0, 1.0)),
+    SHOWN,
+    along=0.5,
+    simplest=Level(1.0, 1),
 )
 BLOCK_S, CORRELATION_S = 0.1, 5.0
 BANDS_HZ = (("static", 0.2), ("first mode", 0.8), ("second mode", 2.5), ("above", np.inf))
@@ -78,6 +85,7 @@ class BoomSystem:
                 first_part=f"the first {FIRST:.0%}",
                 finer="more hinges",
                 zero_offset=OFFSET,
+                simplest="one hinge per elastic coordinate, as `simulate` makes it without --hinges 4,",
                 frames="Accelerometers and gyroscopes: x along the link, y up, z to the side. Markers: world, z up.",
             ),
             split=lambda time, lasts: time < FIRST * lasts,
@@ -123,7 +131,8 @@ class BoomSystem:
 
     def corrected(self, causes: Hypothesis, nuisances: Hypothesis = ()) -> str:
         """The machine file's text with effects in it."""
-        return with_effects_text(self.text, causes, nuisances)
+        note = f"\n\n# found with {SHOWN.hinges} hinges: simulate and replay with --hinges {SHOWN.hinges}"
+        return with_effects_text(self.text.rstrip() + note * bool(causes or nuisances), causes, nuisances)
 
     def column(self, effect: Effect, data: Dataset, nuisances: Array) -> Array | None:
         """An angle error moves the boom as a zero offset of its size at that moment would."""

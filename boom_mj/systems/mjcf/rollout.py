@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 from mujoco.batch import Batch
 
+from boom_mj.engine import mass_matrix
 from boom_mj.simulation.diverged import diverged
 
 Array = np.ndarray
@@ -72,9 +73,7 @@ def drivable(spec: mujoco.MjSpec, driven: tuple[str, ...], pushed: tuple[str, ..
         servo = spec.add_actuator(name=DRIVE + joint, target=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT)
         servo.gaintype, servo.biastype = mujoco.mjtGain.mjGAIN_FIXED, mujoco.mjtBias.mjBIAS_AFFINE
     model = spec.compile()
-    data, mass = mujoco.MjData(model), np.zeros((model.nv, model.nv))
-    mujoco.mj_forward(model, data)
-    mujoco.mj_fullM(model, data, mass)
+    mass = mass_matrix(model)
     for joint in driven:
         dof, servo = model.joint(joint).dofadr[0], model.actuator(DRIVE + joint)
         heavy = HEAVY * float(mass[dof, dof])

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
 from boom_mj.errors import ChannelMapError, LogError
-from boom_mj.estimation.dataset import own_noise
+from boom_mj.estimation.blocks import own_noise
 from boom_mj.files import inside
 from boom_mj.logs.columns import read_columns
 from boom_mj.recording import Recording, Signal

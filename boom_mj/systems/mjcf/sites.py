@@ -7,6 +7,7 @@ import numpy as np
 
 from boom_mj.effects import Site
 from boom_mj.effects.spec_edits import BRAKE
+from boom_mj.engine import mass_matrix
 from boom_mj.recording import Recording
 from boom_mj.systems.mjcf.channel_map import ChannelMap
 from boom_mj.systems.mjcf.rollout import Run, joint_of
@@ -47,9 +48,7 @@ def _joints(
     spec: mujoco.MjSpec, channels: ChannelMap, logs: Sequence[Recording], runs: Sequence[Run]
 ) -> Iterator[Site]:
     model = spec.copy().compile()
-    data, mass = mujoco.MjData(model), np.zeros((model.nv, model.nv))
-    mujoco.mj_forward(model, data)
-    mujoco.mj_fullM(model, data, mass)
+    mass = mass_matrix(model)
     measured = {e.joint for e in channels.channel if e.joint and e.what == "position"}
     actuated = {joint_of(spec, e.actuator) for e in channels.channel if e.actuator} | set(channels.driven)
     for name in runs[0].position:

@@ -122,15 +122,16 @@ class MjcfSystem:
         return ChannelPlace(signal, entry.what, entry.place, direction, signal, f"{entry.what}, {entry.place}")
 
     def corrected(self, causes: Hypothesis, nuisances: Hypothesis = ()) -> str:
-        """The MJCF text with effects in it; those that MJCF does not hold stand in comments."""
-        spec, others = self.spec.copy(), []
-        for effect in (*nuisances, *causes):
-            if isinstance(effect, ModelEffect):
-                effect.edit(spec, None)
-            else:
-                others.append(f"<!-- not in the model: {effect} -->\n")
+        """The MJCF text with effects in it; comments say why each is there, and which of them MJCF does not hold."""
+        spec, why = self.spec.copy(), []
+        for reason, effects in (("nuisance, as built", nuisances), ("cause", causes)):
+            for effect in effects:
+                if isinstance(effect, ModelEffect):
+                    effect.edit(spec, None)
+                missing = "" if isinstance(effect, ModelEffect) else ", not in the model"
+                why.append(f"<!-- {reason}{missing}: {effect} -->\n")
         spec.compile()
-        return spec.to_xml() + "".join(others)
+        return spec.to_xml() + "".join(why)
 
     def run(self, hypothesis: Hypothesis, level: Level, log: Recording) -> Run:
         """A stretch under effects; those of compared channels are left to `observe`."""

@@ -1,0 +1,275 @@
+"""Of the diagnosis of a gap."""
+
+from typing import Any, Literal
+
+from boom_mj.cli.documents.calibration import Interval, Levels
+from boom_mj.cli.documents.logs import Finding
+from boom_mj.cli.documents.part import Number, Part
+
+
+class Steps(Levels):
+    """A gap in units of noise, from the file to the explanation."""
+
+    nominal: Number
+    """Of the machine file as it is; `before` is as built, with the nuisances that leave least."""
+
+
+class SizedParameter(Interval):
+    """A parameter of an effect."""
+
+    unit: str
+
+
+class Named(Part):
+    """An effect at its place."""
+
+    id: str
+    location: dict[str, Any]
+
+
+class NamedCause(Named):
+    """A cause."""
+
+    parameters: dict[str, SizedParameter]
+    closure_alone: Number
+    share: Number
+    """Of the held-out mean square of the machine as built."""
+    share_interval: list[Number]
+    probability: Number
+
+
+class Rival(Named):
+    """An explanation that lost."""
+
+    holdout_gap: Number
+    why_not: str
+    probability: Number
+
+
+class Gaps(Part):
+    """Gaps in units of noise."""
+
+    train: Steps
+    holdout: Steps
+    closure: Number
+    closure_interval: list[Number]
+    fidelity_alone: Number
+    simplest_model: Number
+
+
+class Where(Part):
+    """A part of the gap; the last is all others, of which only the share is told."""
+
+    sensor: str
+    share: float
+    link: str | None = None
+    direction: str | None = None
+    band: str | None = None
+    phase: str | None = None
+    gap: Number = None
+
+
+class Share(Named):
+    """What an effect takes of the gap."""
+
+    share: Number
+    share_interval: list[Number]
+
+
+class ResidualForce(Part):
+    """A force that would move the machine as built to where it was."""
+
+    part: str
+    direction: str
+    force: float
+    unit: str
+    ratio: float
+
+
+class Prior(Part):
+    """Of a nuisance."""
+
+    neutral: float
+    deviation: float
+
+
+class NuisanceSize(Named):
+    """A parameter of a nuisance, as it was estimated along."""
+
+    parameter: str
+    value: float
+    unit: str
+    prior: Prior
+
+
+class ChannelSteps(Part):
+    """A channel group of one log: rms of measured - simulated over noise, as `replay` gives it."""
+
+    log: str
+    channel: str
+    data_sheet: float
+    as_built: float
+    with_causes: float
+    uncertainty: float
+    """Of with_causes, 95 %."""
+
+
+class Remainder(Part):
+    """What an explanation leaves above the floor."""
+
+    share: Number
+    looks_like: str
+    where: str
+    train_with: list[str]
+
+
+class GapDiagnose(Part):
+    """gap diagnose LOGS... --json FILE; from Python `Answer.document`"""
+
+    verdict: Literal["consistent", "explained", "ambiguous", "partial", "unexplained"]
+    sentence: str
+    effects: list[NamedCause]
+    suspect: list[NamedCause]
+    rivals: list[Rival]
+    ties: list[list[Named]]
+    next_experiment: str | None
+    gap: Gaps
+    where: list[Where]
+    residual_forces: list[ResidualForce]
+    nuisances: list[NuisanceSize]
+    channels: list[ChannelSteps]
+    """None while the search runs."""
+    provenance: dict[str, Any]
+    others: dict[Literal["outside_library", "none"], Number]
+    """Probabilities beside those of the explanations."""
+    budget: list[Share]
+    remainder: Remainder | None
+    pushes: list[ResidualForce]
+    """`residual_forces` by the name that it has in 0.1."""
+    unexplained: Remainder | None
+    """`remainder` by the name that it has in 0.1, with `learn_from`."""
+    floor_share: Number
+    """With those of budget and remainder it makes 1."""
+    data: list[Finding]
+    complete: bool
+    skipped: list[str]
+    """What was not looked at for want of time."""
+
+
+class LogState(Part):
+    """Whether the machine was still what it was in one log."""
+
+    log: str
+    changed: bool
+    statistic: Number
+    limit: Number
+    group: str
+
+
+class Since(Part):
+    """When something changed."""
+
+    log: str
+    time_s: Number
+
+
+class GapWatch(Part):
+    """gap watch LOGS... --healthy LOGS... --json FILE"""
+
+    logs: list[LogState]
+    since: Since | None
+    verdict: Literal["consistent", "explained", "ambiguous", "partial", "unexplained"]
+    effects: list[NamedCause]
+
+
+class Formula(Part):
+    """A law with its numbers in it."""
+
+    formula: str
+    place: dict[str, Any]
+    acts_on: str
+    terms: list[str]
+    holdout_gap: Number
+
+
+class Law(Part):
+    """The law of a discovery."""
+
+    place: dict[str, Any]
+    acts_on: str
+    formula: str
+    terms: list[str]
+    parameters: dict[str, SizedParameter]
+    same_as: str | None
+    """Id of the effect in the library that does the same."""
+
+
+class LawGaps(Part):
+    """Gaps in units of noise."""
+
+    train: Levels
+    holdout: Levels
+    closure: Number
+    closure_interval: list[Number]
+
+
+class GapDiscover(Part):
+    """gap discover LOGS... --json FILE"""
+
+    verdict: Literal["law", "none"]
+    sentence: str
+    law: Law | None
+    gap: LawGaps
+    front: list[Formula]
+    """The best of every length."""
+    ties: list[Formula]
+    data: list[Finding]
+    complete: bool
+    skipped: list[str]
+    provenance: dict[str, Any]
+
+
+class EffectParameter(Part):
+    """A parameter of an effect in the library."""
+
+    unit: str
+    neutral: Number
+    low: Number
+    high: Number
+
+
+class LibraryEffect(Part):
+    """An effect in the library."""
+
+    id: str
+    physics: str
+    locations: list[dict[str, Any]]
+    """On a boom."""
+    at: list[str]
+    needs: list[str]
+    parameters: dict[str, EffectParameter]
+    """On a boom; on any other machine they depend on its model and logs."""
+    confused_with: list[str]
+    separating_experiment: str
+
+
+class GapEffects(Part):
+    """gap effects --json"""
+
+    effects: list[LibraryEffect]
+
+
+class Criterion(Part):
+    """A number that decides, by kind of machine."""
+
+    family: str
+    name: str
+    unit: str
+    reason: str
+    value: dict[str, Number]
+
+
+class GapCriteria(Part):
+    """gap criteria --json"""
+
+    criteria: list[Criterion]
