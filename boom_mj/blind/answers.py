@@ -75,7 +75,9 @@ class Answer(_Part):
     ties: list[list[Place]] = []
     """Explanations that the data cannot tell apart."""
     wall_s: Number = None
-    """Seconds that it took on one core."""
+    """Seconds that it took on one core, by the clock."""
+    cpu_s: Number = None
+    """Processor seconds of all threads, which count instead: other work on the machine does not matter to them."""
 
     @model_validator(mode="after")
     def _names_what_it_says(self) -> Self:

@@ -39,7 +39,7 @@ class Outcome:
         errors: per parameter of rightly placed effects, true less named value; 1 is the end of its interval.
         closure: of the held-out gap; NaN without an answer.
         visibility: of the true effects to an oracle, in deviations of the noise.
-        wall_s: time that the diagnosis took.
+        wall_s: time on one core: of the processor, or of the clock where the answer tells no other.
         reason: why a miss is one.
         suspect: what the answer took for its cause where it found no explanation, in a word or two.
         details: where it lies, by the answer.
@@ -102,7 +102,7 @@ def judge_case(case: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -
         errors=tuple(error for one in errors for error in one),
         closure=_number(answer["gap"].get("closure")),
         visibility=truth["visibility"],
-        wall_s=_number(answer.get("wall_s")),
+        wall_s=_number(answer.get("cpu_s", answer.get("wall_s"))),
         reason="" if right and placed else _reason(truth, answer, right),
         suspect="" if solved else _suspects(answer),
         details=(answer.get("remainder") or answer.get("unexplained") or {}).get("where") or answer["sentence"],

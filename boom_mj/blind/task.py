@@ -20,7 +20,7 @@ EXAMPLE: Mapping[str, Any] = {
         }
     ],
     "others": {"outside_library": 0.15, "none": 0.05},
-    "wall_s": 12.0,
+    "cpu_s": 12.0,
 }
 TEXT = """# What is wrong with these machines?
 
@@ -55,7 +55,7 @@ One JSON file a case, `CASE.json`, all in one folder. `gap diagnose --json` writ
 - `effects`: `id`, `location` and sizes as in the table, in SI units, with their 95 % intervals.
 - `probability`: of a cause, or beside `verdict` of the answer as a whole; `others`: that nothing is wrong (`none`),
   that no effect of the table explains it (`outside_library`). They are scored where they are given.
-- `wall_s`: seconds on one core.
+- `cpu_s`, or else `wall_s`: seconds that it took on one core, of the processor or by the clock.
 
 Only `verdict` and `effects` must be there. A case without a file is a miss.
 
