@@ -157,6 +157,16 @@ def test_a_missing_answer_is_a_miss(campaign: tuple[Path, Path, Path]) -> None:
     json.dumps(found.document(), allow_nan=False)
 
 
+def test_an_answer_that_is_none_stops_the_score(campaign: tuple[Path, Path, Path]) -> None:
+    *_, answers = campaign
+    (answers / "cc.json").write_text('{"verdict": "fine", "effects": []}')
+    with pytest.raises(InputError, match=r"cc.json is no answer to its case: verdict: 'fine' is wrong: Input should"):
+        score(*campaign)
+    (answers / "cc.json").rename(answers / "dd.json")
+    with pytest.raises(InputError, match=r"dd.json answers no case; answers are called CASE.json, such as aa.json"):
+        score(*campaign)
+
+
 def test_another_seal_is_refused(campaign: tuple[Path, Path, Path]) -> None:
     folder, seal, answers = campaign
     seal.write_text(seal.read_text().replace("40.0", "41.0"))
