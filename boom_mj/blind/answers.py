@@ -13,8 +13,8 @@ from boom_mj.files import read_json
 Number = FiniteFloat | None
 Share = Annotated[
     FiniteFloat,
-    BeforeValidator(lambda value: round(value, 9) if isinstance(value, float) else value),  # a sum of many
     Field(ge=0, le=1),
+    BeforeValidator(lambda value: round(value, 9) if isinstance(value, float) else value),  # a sum of many
 ]
 Probability = Share | None
 OPTIONAL: Mapping[str, Any] = {"sentence": "", "ties": (), "gap": {}, "others": {}}

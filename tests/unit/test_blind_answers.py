@@ -71,11 +71,14 @@ def test_the_schema_is_a_part_of_what_a_diagnosis_writes() -> None:
         assert name in answer_schema()["properties"] and name in ours["properties"]
     assert ours["properties"]["verdict"]["enum"] == answer_schema()["properties"]["verdict"]["enum"]
     assert answer_schema()["required"] == ["verdict", "effects"]
+    number, null = answer_schema()["$defs"]["Cause"]["properties"]["probability"]["anyOf"]
+    assert (number["minimum"], number["maximum"], null) == (0, 1, {"type": "null"})
     Answer.model_validate(EXAMPLE)
     assert "`link_stiffness` | `link`: 2, 3, 4, 5" in readme() and json.dumps(EXAMPLE, indent=1) in readme()
 
 
-def test_the_probability_is_that_of_what_is_said() -> None:
+def test_the_probability_is_that_of_what_is_said(read) -> None:
+    assert read(told(probability=1 + 1e-12))["verdict"] == "explained"
     assert given(told()) == 0.8 and given(told(probability=0.3)) == 0.3
     assert given(told(effects=[HEAVY, {**HEAVY, "probability": 0.5}])) == 0.5
     others = {"none": 0.7, "outside_library": 0.2}
