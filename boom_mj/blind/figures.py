@@ -14,7 +14,10 @@ from typing import Any, TypeVar
 import numpy as np
 from scipy.stats import norm
 
-from boom_mj.blind.grading import NO_ANSWER, Outcome, judge_case
+from boom_mj.blind.answers import read_answer
+from boom_mj.blind.grading import LISTED, NO_ANSWER, Outcome, judge_case
+from boom_mj.blind.probabilities import brier_score, calibration_error, log_score
+from boom_mj.blind.sampling import MIX, MORE
 from boom_mj.errors import InputError
 from boom_mj.files import read_bytes, read_json, read_text
 
@@ -85,7 +88,7 @@ def score(folder: Path, seal: Path, answers: Path) -> Score:
     """Open the seal of a set and grade its answers.
 
     Raises:
-        InputError: the seal is not the one whose hash was published.
+        InputError: the seal is not the one whose hash was published, or an answer is malformed.
     """
     if not (folder / "seal.sha256").is_file():
         raise InputError(f"{folder} holds no sealed campaign: there is no seal.sha256")
@@ -93,11 +96,20 @@ def score(folder: Path, seal: Path, answers: Path) -> Score:
     if (found := sha256(content).hexdigest()) != published:
         raise InputError(f"{seal} is not the seal of {folder}: its hash is {found}, published was {published}")
     sealed, outcomes = read_json(seal, InputError), []
-    for case, truth in _of_its_kind(seal, "seal", lambda: [*sealed["cases"].items()]):
+    cases = _of_its_kind(seal, "seal", lambda: [*sealed["cases"].items()])
+    _refuse_strays(answers, [name for name, _ in cases])
+    for case, truth in cases:
         path = answers / f"{case}.json"
-        answer = read_json(path, InputError) if path.exists() else NO_ANSWER
+        answer = read_answer(path) if path.exists() else NO_ANSWER
         outcomes.append(_of_its_kind(path, "answer to its case", partial(judge_case, case, truth, answer)))
     return Score(tuple(outcomes), tuple(figures(outcomes)), (str(sealed.get("seed_sha256")),), (published,))
+
+
+def _refuse_strays(answers: Path, cases: Sequence[str]) -> None:
+    """Answers under other names than those of the cases would count as missing."""
+    strays = sorted(path for path in answers.glob("*.json") if path.stem not in cases)
+    if strays:
+        raise InputError(f"{strays[0]} answers no case; answers are called CASE.json, such as {cases[0]}.json")
 
 
 def _of_its_kind(path: Path, kind: str, use: Callable[[], T]) -> T:
@@ -120,9 +132,9 @@ def wilson(hits: int, count: int) -> tuple[float, float]:
 
 def figures(outcomes: Sequence[Outcome]) -> list[Figure]:
     """The figures that a diagnosis is measured by."""
-    by = {kind: [o for o in outcomes if o.kind == kind] for kind in ("single", "none", "pair", "withheld", "stranger")}
-    singles, outside = by["single"], [*by["withheld"], *by["stranger"]]
-    closures = np.array([o.closure for o in (*singles, *by["pair"]) if o.right])
+    by = {kind: [o for o in outcomes if o.kind == kind] for kind in (*MIX, *MORE)}
+    singles, outside, several = by["single"], [*by["withheld"], *by["stranger"]], by["several"]
+    closures = np.array([o.closure for o in outcomes if o.kind in LISTED and o.right])
     wall = np.array([o.wall_s for o in outcomes if np.isfinite(o.wall_s)])
     return [
         _share("single effect: right id", [o.right for o in singles], (0.95, 1)),
@@ -137,11 +149,48 @@ def figures(outcomes: Sequence[Outcome]) -> list[Figure]:
         _share("... outside the library", [o.right for o in by["stranger"]], None),
         _share("two effects: both named", [o.right for o in by["pair"]], (0.80, 1)),
         _share("two effects: both named and placed", [o.placed for o in by["pair"]], None),
+        _share("three to five effects: recall", _counted(several, "causes"), (0.80, 1)),
+        _share("three to five effects: precision", _counted(several, "named"), (0.93, 1)),
+        _share("single effect on a machine as built: right id and location", [o.placed for o in by["clutter"]], None),
         _quantile("held-out closure of solved cases, median", closures, 0.5, (0.95, np.inf)),
         _quantile("held-out closure of solved cases, 10th percentile", closures, 0.1, (0.85, np.inf)),
         _share("95 % intervals that hold the truth", held(outcomes, 0.95), (0.90, 0.98)),
+        *(_of_probabilities(name, outcomes, score, goal) for name, score, goal in PROBABILITIES),
         _quantile("time of one case on one core, median, s", wall, 0.5, None),
     ]
+
+
+PROBABILITIES: tuple[tuple[str, Callable[[Array, Array], float], tuple[float, float] | None], ...] = (
+    ("probability of an answer: Brier score", brier_score, (0, 0.1)),
+    ("probability of an answer: log score", log_score, None),
+    ("probability of an answer: expected calibration error", calibration_error, (0, 0.05)),
+)
+
+
+def _counted(outcomes: Sequence[Outcome], among: str) -> list[bool]:
+    """Of the causes that are sealed or named, which are both, case after case."""
+    return [k < outcome.hits for outcome in outcomes for k in range(getattr(outcome, among))]
+
+
+def given_and_true(outcomes: Sequence[Outcome]) -> tuple[Array, Array]:
+    """Probabilities of the answers that give one, (n,), and whether what they were given to is so, (n,) of bool."""
+    told = [(o.probability, o.true) for o in outcomes if np.isfinite(o.probability)]
+    return np.array([p for p, _ in told]), np.array([y for _, y in told], bool)
+
+
+def _of_probabilities(
+    name: str,
+    outcomes: Sequence[Outcome],
+    score: Callable[[Array, Array], float],
+    goal: tuple[float, float] | None,
+) -> Figure:
+    """A score of probabilities and its bootstrap interval."""
+    probability, true = given_and_true(outcomes)
+    if not len(true):
+        return Figure(name, np.nan, -np.inf, np.inf, 0, goal)
+    draws = np.random.default_rng(0).integers(len(true), size=(DRAWS, len(true)))
+    low, high = np.quantile([score(probability[draw], true[draw]) for draw in draws], [0.025, 0.975])
+    return Figure(name, score(probability, true), float(low), float(high), len(true), goal)
 
 
 def held(outcomes: Sequence[Outcome], level: float) -> list[bool]:

@@ -1,5 +1,7 @@
 """Making a set of blind cases: logs in one folder, answers in a sealed file elsewhere.
 
+    DIR/README.md               the task, for any method (`task`)
+    DIR/answer.schema.json      what an answer holds (`answers`)
     DIR/machine.toml            the nominal machine
     DIR/seal.sha256             hash of the sealed answers
     DIR/CASE/withhold.json      the effect that the diagnosis of this case does without
@@ -21,9 +23,11 @@ from typing import Any, Self
 
 import numpy as np
 
+from boom_mj.blind.answers import answer_schema
 from boom_mj.blind.detectability import Detectability
-from boom_mj.blind.plant import nuisances, true_plant
+from boom_mj.blind.plant import AS_BUILT, nuisances, true_plant
 from boom_mj.blind.sampling import Order, draw, orders
+from boom_mj.blind.task import readme
 from boom_mj.effects import Effect
 from boom_mj.errors import EquilibriumError, InputError, SimulationError
 from boom_mj.files import locked, read_json, sweep, write_text
@@ -138,6 +142,8 @@ def _made(
     salt = {"salt": _hash(digest, "salt", 0), "seed_sha256": sha256(secret).hexdigest()}
     _write_json(seal, {**salt, "cases": dict(sorted(answers.items()))})
     write_text(folder / "machine.toml", machine)
+    write_text(folder / "README.md", readme())
+    _write_json(folder / "answer.schema.json", answer_schema())
     write_text(folder / "seal.sha256", f"{sha256(seal.read_bytes()).hexdigest()}\n")
     sweep(folder.rglob(".*.part"))
     _same_times(folder)
@@ -182,7 +188,8 @@ def _drawn(case: _Case, rng: np.random.Generator) -> tuple[dict[str, Any], dict[
         parts = case.suite.train, case.suite.holdout
         return min(_eye(case.machine, part).visibility(effects) for part in parts) if effects else 0.0
 
-    own, drawn = nuisances(machine, rng), [draw(name, rng, visibility) for name in case.order.ids]
+    own = nuisances(machine, rng, AS_BUILT) if case.order.kind == "clutter" else nuisances(machine, rng)
+    drawn = [draw(name, rng, visibility) for name in case.order.ids]
     effects = [effect for effect, _ in drawn]
     named = {(effect.id, *effect.location.values()) for effect in effects}
     own = tuple(n for n in own if (n.id, *n.location.values()) not in named)  # an effect's size is all there is of it

@@ -2,7 +2,9 @@
 
 single      right id: exactly the true effect is named; right place: at its location too
 none        right: the verdict is "consistent"; anything else is a false alarm
-pair        right: exactly the two true effects are named
+clutter     as single
+pair,       right: exactly the true effects are named
+several
 withheld,   right: "unexplained", or a tie that holds what the truth is known to be confused with;
 stranger     a confident wrong name is a miss, and so is "consistent"
 """
@@ -13,10 +15,12 @@ from typing import Any
 
 import numpy as np
 
+from boom_mj.blind.probabilities import given
 from boom_mj.blind.unlisted import UNLISTED
 from boom_mj.effects import builtin
 
 ANGLES = ("phase", "direction")  # parameters that repeat after a turn
+LISTED = ("single", "clutter", "pair", "several")  # classes whose effects are to be named
 NO_ANSWER: Mapping[str, Any] = {"verdict": "no answer", "sentence": "", "effects": [], "ties": [], "gap": {}}
 
 
@@ -26,7 +30,7 @@ class Outcome:
 
     Attributes:
         case: its name.
-        kind: single, none, pair, withheld or stranger.
+        kind: single, none, pair, withheld, stranger, several or clutter.
         truth, answer: in a word or two, as rows and columns of the confusion matrix.
         right: whether the answer is right.
         placed: whether its places are right too.
@@ -35,11 +39,14 @@ class Outcome:
         errors: per parameter of rightly placed effects, true less named value; 1 is the end of its interval.
         closure: of the held-out gap; NaN without an answer.
         visibility: of the true effects to an oracle, in deviations of the noise.
-        wall_s: time that the diagnosis took.
+        wall_s: time on one core: of the processor, or of the clock where the answer tells no other.
         reason: why a miss is one.
         suspect: what the answer took for its cause where it found no explanation, in a word or two.
         details: where it lies, by the answer.
         truth_leaves: held-out gap that the truth itself leaves; NaN where nobody asked (`oracle`).
+        causes, named, hits: how many effects were sealed, are named, and are both, at the right place.
+        probability: that the answer gives to what it says; NaN where it gives none.
+        true: whether that is so (`probabilities`).
     """
 
     case: str
@@ -58,6 +65,11 @@ class Outcome:
     suspect: str
     details: str
     truth_leaves: float = np.nan
+    causes: int = 0
+    named: int = 0
+    hits: int = 0
+    probability: float = np.nan
+    true: bool = False
 
 
 def judge_case(case: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -> Outcome:
@@ -69,14 +81,15 @@ def judge_case(case: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -
     right = placed = held = False
     if truth["class"] == "none":
         right = placed = held = answer["verdict"] == "consistent"
-    elif truth["class"] in ("single", "pair"):
+    elif truth["class"] in LISTED:
         right = found == ids
         placed = right and all(_matching(effect, named) for effect in true)
         held = set(ids) <= {*found, *tied}
     else:
         right = placed = held = answer["verdict"] == "unexplained" or bool(tied & twins(ids[0]))
-    pairs = [(effect, _matching(effect, named)) for effect in true] if right else []
-    errors = [errors_of(effect["parameters"], other["parameters"]) for effect, other in pairs if other]
+    pairs = [(effect, _matching(effect, named)) for effect in true]
+    hits = sum(other is not None for _, other in pairs)
+    errors = [errors_of(effect["parameters"], other["parameters"]) for effect, other in pairs if other and right]
     return Outcome(
         case=case,
         kind=truth["class"],
@@ -89,10 +102,15 @@ def judge_case(case: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -
         errors=tuple(error for one in errors for error in one),
         closure=_number(answer["gap"].get("closure")),
         visibility=truth["visibility"],
-        wall_s=_number(answer.get("wall_s")),
+        wall_s=_number(answer.get("cpu_s", answer.get("wall_s"))),
         reason="" if right and placed else _reason(truth, answer, right),
         suspect="" if solved else _suspects(answer),
         details=(answer.get("remainder") or answer.get("unexplained") or {}).get("where") or answer["sentence"],
+        causes=len(true),
+        named=len(named),
+        hits=hits,
+        probability=given(answer),
+        true=hits == len(named) if answer["verdict"] == "partial" else right and placed,
     )
 
 

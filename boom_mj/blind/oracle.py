@@ -22,7 +22,7 @@ from boom_mj.files import read_json, read_text
 from boom_mj.spreading import results
 from boom_mj.systems.predictor import Predictor
 
-LISTED = ("single", "pair", "withheld")  # classes whose effects the library holds
+LISTED = ("single", "clutter", "pair", "several", "withheld")  # classes whose effects the library holds
 
 
 def with_hindsight(

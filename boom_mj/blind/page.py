@@ -5,12 +5,11 @@ from html import escape
 
 import numpy as np
 
-from boom_mj.blind.figures import Figure, Score, held, wilson
-from boom_mj.blind.grading import Outcome
+from boom_mj.blind.figures import Figure, Score, given_and_true, held, wilson
+from boom_mj.blind.grading import LISTED, Outcome
+from boom_mj.blind.pictures import INK, confusion_svg, reliability_svg
+from boom_mj.blind.probabilities import reliability
 
-CELL, LABEL, HEAD, SLANT = 22, 240, 170, 100  # px: of a count, of names at the left, above, and what those lean over
-BLUE, VERMILION, INK = "#0072b2", "#d55e00", "#222222"  # right, wrong, text
-VERDICTS = ("consistent", "unexplained", "no answer")
 Table = tuple[tuple[str, ...], list[tuple[str, ...]]]
 STYLE = (
     f"body{{font:15px/1.5 sans-serif;color:{INK};max-width:72em;margin:2em auto;padding:0 1em}}"
@@ -18,13 +17,14 @@ STYLE = (
 )
 
 
-def markdown_page(score: Score, picture: str) -> str:
-    """The page as Markdown; `picture` is where the confusion matrix will lie."""
+def markdown_page(score: Score, picture: str, diagram: str) -> str:
+    """The page as Markdown; `picture` and `diagram` are where confusion matrix and reliability diagram will lie."""
     lines = ["# Blind check", "", _summary(score), ""]
     for title, note, (head, rows) in _sections(score):
         lines += [f"## {title}", "", note, ""]
         lines += [f"| {' | '.join(row)} |" for row in (head, ("---",) * len(head), *rows)] + [""]
-    return "\n".join([*lines, "## Confusion matrix", "", CONFUSION, "", f"![confusion matrix]({picture})", ""])
+    lines += ["## Confusion matrix", "", CONFUSION, "", f"![confusion matrix]({picture})", ""]
+    return "\n".join([*lines, "## Reliability", "", RELIABILITY, "", f"![reliability diagram]({diagram})", ""])
 
 
 def html_page(score: Score) -> str:
@@ -36,6 +36,7 @@ def html_page(score: Score) -> str:
         body = "".join(f"<tr>{row}</tr>" for row in cells)
         parts.append(f"<h2>{title}</h2><p>{escape(note)}</p><table><tr>{header}</tr>{body}</table>")
     parts.append(f"<h2>Confusion matrix</h2><p>{CONFUSION}</p>{confusion_svg(score.outcomes)}")
+    parts.append(f"<h2>Reliability</h2><p>{RELIABILITY}</p>{reliability_svg(score.outcomes)}")
     head = f"<meta charset='utf-8'><title>Blind check</title><style>{STYLE}</style>"
     return f"<!doctype html><html><head>{head}</head><body>{''.join(parts)}</body></html>\n"
 
@@ -43,6 +44,10 @@ def html_page(score: Score) -> str:
 CONFUSION = (
     "Rows: what was sealed; columns: what the answer says. Blue is right, vermilion wrong; an effect that was "
     "withheld, or that the library does not hold, has its own row."
+)
+RELIABILITY = (
+    "Over the probability that answers give to what they say, the share of them that is true, with 95 % intervals and "
+    "the number of answers; on the dashed line probabilities mean what they say."
 )
 
 
@@ -68,6 +73,11 @@ def _sections(score: Score) -> list[tuple[str, str, Table]]:
             "Of the sizes of effects that were named and placed, how many lie within the interval of each level, "
             "scaled from the 95 % that answers tell.",
             (("level", "holds", "95 % interval", "of"), [_held_row(score.outcomes, level) for level in LEVELS]),
+        ),
+        (
+            "Calibration of the probabilities",
+            "Of the answers whose probability lies in a range, how many are true.",
+            (("probability", "mean", "true", "of"), _reliability_rows(score.outcomes)),
         ),
         (
             "Held-out closure",
@@ -115,8 +125,8 @@ def _sections(score: Score) -> list[tuple[str, str, Table]]:
 
 LEVELS = (0.5, 0.8, 0.9, 0.95, 0.99)
 CLOSED = (
-    ("solved", ("single", "pair"), True),
-    ("not solved", ("single", "pair"), False),
+    ("solved", LISTED, True),
+    ("not solved", LISTED, False),
     ("withheld or a stranger, right", ("withheld", "stranger"), True),
     ("withheld or a stranger, wrong", ("withheld", "stranger"), False),
 )
@@ -144,6 +154,11 @@ def _held_row(outcomes: Sequence[Outcome], level: float) -> tuple[str, ...]:
     low, high = wilson(sum(inside), len(inside))
     share = f"{sum(inside) / len(inside):.3g}" if inside else "-"
     return f"{level:g}", share, f"{low:.3g} to {high:.3g}", str(len(inside))
+
+
+def _reliability_rows(outcomes: Sequence[Outcome]) -> list[tuple[str, ...]]:
+    found = reliability(*given_and_true(outcomes))
+    return [(f"{b.low:g} to {b.high:g}", f"{b.probability:.2f}", f"{b.true:.2f}", str(b.count)) for b in found]
 
 
 def _closure_row(outcomes: Sequence[Outcome], name: str, kinds: Sequence[str], right: bool) -> tuple[str, ...]:
@@ -179,45 +194,3 @@ def _yes(answer: bool | None) -> str:
 
 def _number(value: float) -> str:
     return f"{value:.2f}" if np.isfinite(value) else "-"
-
-
-def confusion_svg(outcomes: Sequence[Outcome]) -> str:
-    """The confusion matrix of all cases but pairs, as SVG: a row per truth, a column per answer."""
-    shown = [o for o in outcomes if o.kind != "pair"]
-    rows = sorted({_row(o) for o in shown}, key=lambda row: (_KINDS.index(row[0]), row[1]))
-    names = sorted({_column(o) for o in shown} - set(VERDICTS))
-    columns = [*names, *(v for v in VERDICTS if any(_column(o) == v for o in shown))]
-    width, height = LABEL + CELL * len(columns) + SLANT, HEAD + CELL * len(rows) + 10
-    parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {width} {height}" '
-        f'font-family="sans-serif" font-size="11" fill="{INK}">',
-        f'<rect width="{width}" height="{height}" fill="white"/>',
-    ]
-    for k, column in enumerate(columns):
-        x = LABEL + CELL * (k + 0.65)
-        parts.append(f'<text transform="translate({x:.0f},{HEAD - 6}) rotate(-60)">{escape(column)}</text>')
-    for j, row in enumerate(rows):
-        y = HEAD + CELL * j
-        label = row[1] if row[0] in ("single", "none") else f"{row[0]}: {row[1]}"
-        parts.append(f'<text x="{LABEL - 6}" y="{y + 15}" text-anchor="end">{escape(label)}</text>')
-        own = [o for o in shown if _row(o) == row]
-        for k, column in enumerate(columns):
-            there = [o for o in own if _column(o) == column]
-            colour, strength = BLUE if there and there[0].right else VERMILION, 0.25 + 0.75 * len(there) / len(own)
-            fill = f'fill="{colour}" fill-opacity="{strength:.2f}"' if there else 'fill="#f4f4f4"'
-            x = LABEL + CELL * k
-            parts.append(f'<rect x="{x}" y="{y}" width="{CELL - 1}" height="{CELL - 1}" {fill}/>')
-            if there:
-                parts.append(f'<text x="{x + CELL / 2}" y="{y + 15}" text-anchor="middle">{len(there)}</text>')
-    return "".join([*parts, "</svg>"])
-
-
-_KINDS = ("single", "none", "withheld", "stranger")
-
-
-def _row(outcome: Outcome) -> tuple[str, str]:
-    return outcome.kind, outcome.truth
-
-
-def _column(outcome: Outcome) -> str:
-    return "two effects" if " + " in outcome.answer else outcome.answer

@@ -16,20 +16,28 @@ INTEGRATOR = mujoco.mjtIntegrator.mjINT_EULER  # the diagnosis has implicitfast
 STEP = 0.4  # of the diagnosis' own
 ZERO_OFFSET = np.radians(0.3)
 STIFFNESS, MASS, DAMPING = 0.003, 0.003, 0.05  # how far an individual is off
+AS_BUILT = 0.03, 0.02, 0.25  # and how far before anyone has calibrated its file
 
 
-def nuisances(machine: Machine, rng: np.random.Generator) -> tuple[Effect, ...]:
-    """What no two machines share: zero offsets of the joints, small errors of stiffness, mass, damping; all uniform."""
+def nuisances(
+    machine: Machine, rng: np.random.Generator, scatter: tuple[float, float, float] = (STIFFNESS, MASS, DAMPING)
+) -> tuple[Effect, ...]:
+    """What no two machines share: zero offsets of the joints, small errors of stiffness, mass, damping; all uniform.
+
+    Args:
+        scatter: how far those three go, as shares.
+    """
+    stiffness, mass, damping = scatter
     offsets = rng.uniform(-1, 1, JOINTS) * ZERO_OFFSET
     found = [make_effect("joint_zero_offset", {"joint": k + 1, "offset": offset}) for k, offset in enumerate(offsets)]
     for link in range(2, 2 + len(machine.links)):
         softer, heavier = rng.uniform(-1, 1, 2)
         found += [
-            make_effect("link_stiffness", {"link": link, "axis": axis, "factor": 1 + STIFFNESS * softer})
+            make_effect("link_stiffness", {"link": link, "axis": axis, "factor": 1 + stiffness * softer})
             for axis in ("v", "w", "torsion")
         ]
-        found.append(make_effect("link_mass", {"link": link, "factor": 1 + MASS * heavier}))
-    return (*found, make_effect("structural_damping", {"factor": 1 + DAMPING * rng.uniform(-1, 1)}))
+        found.append(make_effect("link_mass", {"link": link, "factor": 1 + mass * heavier}))
+    return (*found, make_effect("structural_damping", {"factor": 1 + damping * rng.uniform(-1, 1)}))
 
 
 def true_plant(machine: Machine, effects: Sequence[Effect]) -> Plant:

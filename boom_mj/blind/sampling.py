@@ -12,6 +12,9 @@ from boom_mj.errors import EquilibriumError, InputError, SimulationError
 
 MIX: Mapping[str, float] = {"single": 50, "none": 20, "pair": 12, "withheld": 25, "stranger": 13}
 """Shares of the classes of cases: of 120, every effect is there twice alone and is once withheld."""
+MORE = ("several", "clutter")
+"""Classes that a mix may ask for besides: three to five effects; one effect on a machine as it was built."""
+SEVERAL = 3, 4, 5  # effects
 SMALL, LARGE = 0.5, 2.0  # times a size worth finding
 VISIBLE = 1.0  # as large as the noise itself, in training and held out; what shows less is drawn again
 TRIES = 40
@@ -41,7 +44,7 @@ class Order:
     """What a case shall be, before places and sizes are drawn.
 
     Attributes:
-        kind: single, none, pair, withheld or stranger.
+        kind: single, none, pair, withheld, stranger, several or clutter.
         ids: of its effects.
         without: the one id that its diagnosis leaves out: the effect's own if it is withheld, else any other.
     """
@@ -57,17 +60,19 @@ def orders(cases: int, mix: Mapping[str, float], rng: np.random.Generator) -> li
     Raises:
         InputError: a class that does not exist, or shares that are none.
     """
-    if unknown := [kind for kind in mix if kind not in MIX]:
-        raise InputError(f"no class of cases is called {', '.join(unknown)}; there are {', '.join(MIX)}")
+    if unknown := [kind for kind in mix if kind not in (*MIX, *MORE)]:
+        raise InputError(f"no class of cases is called {', '.join(unknown)}; there are {', '.join((*MIX, *MORE))}")
     if min(mix.values()) < 0 or sum(mix.values()) <= 0:
         raise InputError(f"shares of classes must not be negative, nor all zero; got {dict(mix)}")
     known = [name for name, kind in builtin().items() if kind.competes and kind.allowed(BOOM_SITES)]
-    deal = {kind: _deck(UNLISTED if kind == "stranger" else known, rng) for kind in MIX}
+    asked = (*MIX, *(kind for kind in MORE if kind in mix))  # more decks than before would shuffle all others
+    deal = {kind: _deck(UNLISTED if kind == "stranger" else known, rng) for kind in asked}
     found = []
     for kind, count in _shared_out(cases, mix).items():
         for _ in range(count):
             ids = [] if kind == "none" else [next(deal[kind])]
-            if kind == "pair":
+            wanted = int(rng.choice(SEVERAL)) if kind == "several" else 2 if kind == "pair" else len(ids)
+            while len(ids) < wanted:
                 ids.append(str(rng.choice([name for name in known if name not in ids])))
             others = [name for name in known if name not in ids]
             found.append(Order(kind, tuple(ids), ids[0] if kind == "withheld" else str(rng.choice(others))))

@@ -120,21 +120,35 @@ def score(
         bool, typer.Option("--hindsight", help="Also simulate the truth of every miss, about a minute each.")
     ] = False,
     jobs: Jobs = 1,
+    method: Annotated[
+        str, typer.Option(metavar="NAME", help="Print the row that a table of methods has for this one.")
+    ] = "",
     as_json: Annotated[
         Path | None, typer.Option("--json", metavar="FILE", help="Figures and outcomes as JSON.")
     ] = None,
     page: Annotated[
-        Path | None, typer.Option("-o", metavar="PAGE.md|PAGE.html", help="A page; beside Markdown lies its picture.")
+        Path | None, typer.Option("-o", metavar="PAGE.md|PAGE.html", help="A page; its pictures lie beside Markdown.")
     ] = None,
+    own_effects: EffectFiles = None,
 ) -> None:
     """Open the seal, check that it is the published one, and hold the answers against it.
 
+    Answers of any method are CASE.json files, as README.md and answer.schema.json of the set describe.
     Several sets, each with its seal in the same order, are scored together and for themselves. In hindsight a miss
     is the search's fault where the truth leaves no more than noise, and the model's where it leaves more.
 
     Example: python -m boom_mj gap blind score cases --seal answers.seal -o score.html
     """
-    from boom_mj.blind import confusion_svg, html_page, markdown_page, pooled, with_hindsight
+    from boom_mj.blind import (
+        confusion_svg,
+        html_page,
+        leaderboard,
+        leaderboard_row,
+        markdown_page,
+        pooled,
+        reliability_svg,
+        with_hindsight,
+    )
     from boom_mj.blind import score as hold
     from boom_mj.cli.progress import progress
 
@@ -153,13 +167,15 @@ def score(
             alone = [with_hindsight(*one[:3], jobs, one[3]) for one in zip(alone, folders, seal, told)]
     found = pooled(alone)
     outputs: dict[Path, str] = {}
+    row = leaderboard_row(method, found.figures) if method else None
     if as_json is not None:
-        outputs[as_json] = json.dumps(found.document(), indent=1) + "\n"
+        outputs[as_json] = json.dumps({**found.document(), "leaderboard": row}, indent=1) + "\n"
     if page is not None and page.suffix == ".html":
         outputs[page] = html_page(found)
     elif page is not None:
-        picture = page.with_suffix(".svg")
-        outputs |= {page: markdown_page(found, picture.name), picture: confusion_svg(found.outcomes)}
+        picture, diagram = page.with_suffix(".svg"), page.with_suffix(".reliability.svg")
+        outputs |= {page: markdown_page(found, picture.name, diagram.name)}
+        outputs |= {picture: confusion_svg(found.outcomes), diagram: reliability_svg(found.outcomes)}
     for path, text in outputs.items():
         write_text(path, text)
     for figure in found.figures:
@@ -170,6 +186,8 @@ def score(
         if outcome.reason:
             left = f"; the truth leaves {outcome.truth_leaves:.2f}" if outcome.truth_leaves >= 0 else ""
             print(f"  {outcome.case}  {outcome.kind:9} {outcome.reason}{left}")
+    if row:
+        print(leaderboard([row]))
 
 
 def _answers(folder: Path, given: Path | None) -> Path:

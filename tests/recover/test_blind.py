@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from boom_mj.blind import Suite, answer_cases, make_cases, score, waiting_cases, with_hindsight
+from boom_mj.blind import Suite, answer_cases, answer_schema, make_cases, score, waiting_cases, with_hindsight
 from boom_mj.blind.generate import STAMP
+from boom_mj.blind.task import readme
 from boom_mj.blind.unlisted import UNLISTED
 from boom_mj.effects import effect_library
 from boom_mj.logs import read_log, write_mcap
@@ -19,6 +20,7 @@ from boom_mj.simulation import CATALOGUE, Experiment
 MACHINE = (Path(__file__).parents[2] / "models" / "boom36.toml").read_text()
 SECRET = b"a secret that everybody may read, 11"  # whose effects show in 10 s, and are soon found
 MIXTURE = {"single": 2.0, "none": 1.0, "pair": 1.0, "withheld": 1.0, "stranger": 1.0}
+OF_ALL = ("README.md", "answer.schema.json", "machine.toml")  # what every set of a machine has
 CASES = sum(map(int, MIXTURE.values()))
 
 
@@ -73,10 +75,12 @@ def test_no_file_holds_a_word_of_the_seal(made: Path) -> None:
     text = json.loads((made / "seal.json").read_text())
     words = [*effect_library(), *UNLISTED, text["salt"], text["seed_sha256"], "single", "none", "withheld", "stranger"]
     for path in (made / "cases").rglob("*"):
-        if path.is_file() and path.name not in ("withhold.json", "machine.toml"):
+        if path.is_file() and path.name not in ("withhold.json", *OF_ALL):
             content = path.read_bytes()
             assert not [word for word in words if len(word) > 8 and word.encode() in content], path
     assert (made / "cases" / "machine.toml").read_text() == MACHINE
+    assert (made / "cases" / "README.md").read_text() == readme()
+    assert json.loads((made / "cases" / "answer.schema.json").read_text()) == answer_schema()
     for case, truth in sealed(made).items():
         (listed,) = json.loads((made / "cases" / case / "withhold.json").read_text())["without"]
         assert listed in effect_library()

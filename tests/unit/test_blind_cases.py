@@ -9,7 +9,7 @@ import pytest
 
 import boom_mj
 from boom_mj.blind import MIX, SHORT, make_cases, waiting_cases
-from boom_mj.blind.plant import HINGES, true_plant
+from boom_mj.blind.plant import AS_BUILT, HINGES, nuisances, true_plant
 from boom_mj.blind.sampling import draw, orders
 from boom_mj.blind.sandbox import confined_to
 from boom_mj.blind.unlisted import UNLISTED
@@ -35,6 +35,25 @@ def test_classes_have_their_shares_and_effects_are_dealt_evenly() -> None:
     for order in found:
         assert len(set(order.ids)) == {"none": 0, "pair": 2}.get(order.kind, 1)
         assert (order.without in order.ids) == (order.kind == "withheld")
+
+
+def test_more_classes_leave_the_others_as_they_are() -> None:
+    plain = {"single": 4.0, "pair": 2.0}
+    old = orders(6, plain, np.random.default_rng(3))
+    more = orders(12, {**plain, "several": 3.0, "clutter": 3.0}, np.random.default_rng(3))
+    assert Counter(order.kind for order in more) == {"single": 4, "pair": 2, "several": 3, "clutter": 3}
+    assert {o.ids[0] for o in old if o.kind == "single"} == {o.ids[0] for o in more if o.kind == "single"}
+    for order in more:
+        assert len(set(order.ids)) in {"several": (3, 4, 5), "pair": (2,)}.get(order.kind, (1,))
+
+
+def test_machines_as_built_differ_more() -> None:
+    usual, built = nuisances(BOOM, np.random.default_rng(0)), nuisances(BOOM, np.random.default_rng(0), AS_BUILT)
+    for one, other in zip(usual, built):
+        if one.id != "joint_zero_offset":
+            assert 4.99 < (other.values["factor"] - 1) / (one.values["factor"] - 1) < 10.01
+        else:
+            assert one == other
 
 
 def test_rounding_loses_no_case() -> None:

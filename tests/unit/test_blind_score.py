@@ -59,6 +59,10 @@ STRANGE = effect("camera_scale", share=0.01)
         (truth("withheld", HEAVY), answer("consistent"), False, False),
         (truth("stranger", STRANGE), answer("unexplained"), True, True),
         (truth("stranger", STRANGE), answer("explained", effect("camera_pose")), False, False),
+        (truth("several", SOFT, HEAVY, TILT), answer("explained", TILT, HEAVY, SOFT), True, True),
+        (truth("several", SOFT, HEAVY, TILT), answer("partial", TILT, HEAVY), False, False),
+        (truth("clutter", SOFT), answer("explained", SOFT), True, True),
+        (truth("clutter", SOFT), answer("explained", SOFT, HEAVY), False, False),
         (truth("single", SOFT), NO_ANSWER, False, False),
         (truth("none"), NO_ANSWER, False, False),
     ],
@@ -120,7 +124,7 @@ def test_campaigns_are_pooled_and_told_apart(campaign: tuple[Path, Path, Path]) 
     one = score(*campaign)
     both = pooled([one, replace(one, outcomes=one.outcomes[:1], figures=tuple(figures(one.outcomes[:1])))])
     assert len(both.outcomes) == 4 and both.figures[0].count == 2 and both.seals == one.seals * 2
-    assert "| seed 2 |" in markdown_page(both, "picture.svg")
+    assert "| seed 2 |" in markdown_page(both, "picture.svg", "diagram.svg")
     json.dumps(both.document(), allow_nan=False)
 
 
@@ -153,6 +157,16 @@ def test_a_missing_answer_is_a_miss(campaign: tuple[Path, Path, Path]) -> None:
     json.dumps(found.document(), allow_nan=False)
 
 
+def test_an_answer_that_is_none_stops_the_score(campaign: tuple[Path, Path, Path]) -> None:
+    *_, answers = campaign
+    (answers / "cc.json").write_text('{"verdict": "fine", "effects": []}')
+    with pytest.raises(InputError, match=r"cc.json is no answer to its case: verdict: 'fine' is wrong: Input should"):
+        score(*campaign)
+    (answers / "cc.json").rename(answers / "dd.json")
+    with pytest.raises(InputError, match=r"dd.json answers no case; answers are called CASE.json, such as aa.json"):
+        score(*campaign)
+
+
 def test_another_seal_is_refused(campaign: tuple[Path, Path, Path]) -> None:
     folder, seal, answers = campaign
     seal.write_text(seal.read_text().replace("40.0", "41.0"))
@@ -162,9 +176,14 @@ def test_another_seal_is_refused(campaign: tuple[Path, Path, Path]) -> None:
 
 def test_pages_tell_all(campaign: tuple[Path, Path, Path]) -> None:
     found = score(*campaign)
-    markdown, html = markdown_page(found, "picture.svg"), html_page(found)
+    markdown, html = markdown_page(found, "picture.svg", "diagram.svg"), html_page(found)
     for page in (markdown, html):
         assert "there is no answer" in page and found.seals[0] in page and "tip_payload" in page
     assert "| tip_payload | 1 | 1 | 1 | 0.96 | 1 of 1 | 50 |" in markdown
-    assert "](picture.svg)" in markdown and "link 2 &lt;&amp;&gt;" in html and "<svg" in html
+    assert (
+        "](picture.svg)" in markdown
+        and "](diagram.svg)" in markdown
+        and "link 2 &lt;&amp;&gt;" in html
+        and "<svg" in html
+    )
     assert confusion_svg(found.outcomes).count("fill-opacity") == len(found.outcomes)

@@ -161,7 +161,17 @@ def test_blind(ask: Ask, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     score = Score((outcome,), tuple(figures((outcome,))), ("a" * 64,), ("b" * 64,), ())
     monkeypatch.setattr(boom_mj.blind, "score", lambda *given: score)
     file = tmp_path / "score.json"
-    ask("gap blind score", tmp_path / "cases", "--seal", tmp_path / "seal", "--json", file, file=file)
+    ask(
+        "gap blind score",
+        tmp_path / "cases",
+        "--seal",
+        tmp_path / "seal",
+        "--json",
+        file,
+        "--method",
+        "ours",
+        file=file,
+    )
 
 
 @needs_egl

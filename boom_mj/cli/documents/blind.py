@@ -41,3 +41,5 @@ class GapBlindScore(Part):
     outcomes: list[dict[str, Any]]
     seal_sha256: list[str] | dict[str, str] | str
     seed_sha256: list[str] | dict[str, str] | str
+    leaderboard: dict[str, str] | None
+    """By column, the row of a table of methods; null without `--method`."""
