@@ -8,7 +8,9 @@ if TYPE_CHECKING:
     from boom_mj.api import Answer as Answer
     from boom_mj.api import Cause as Cause
     from boom_mj.api import Estimate as Estimate
+    from boom_mj.api import LawAnswer as LawAnswer
     from boom_mj.api import diagnose as diagnose
+    from boom_mj.api import discover as discover
     from boom_mj.effects import make_effect as make_effect
     from boom_mj.effects import parse_effect as parse_effect
     from boom_mj.errors import BoomError as BoomError
@@ -37,7 +39,7 @@ else:  # the same, imported where it is asked for; a test holds both together
     __getattr__, __dir__, __all__ = door(
         __name__,
         {
-            "boom_mj.api": ("Answer", "Cause", "Estimate", "diagnose"),
+            "boom_mj.api": ("Answer", "Cause", "Estimate", "LawAnswer", "diagnose", "discover"),
             "boom_mj.effects": ("make_effect", "parse_effect"),
             "boom_mj.errors": ("BoomError",),
             "boom_mj.logs": ("load_topic_map", "read_log", "read_mcap", "write_mcap"),

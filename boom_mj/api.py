@@ -11,16 +11,17 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from boom_mj import diagnosis
+from boom_mj import diagnosis, discovery
 from boom_mj.diagnosis.clock import Clock
 from boom_mj.errors import InputError
 from boom_mj.estimation.bootstrap import Closure
+from boom_mj.files import write_text
 from boom_mj.logs import read_log
 from boom_mj.machine import Machine, load_machine
 from boom_mj.recording import Recording
 from boom_mj.replay.quality import DataFinding
 from boom_mj.systems.boom.corrected import with_effects
-from boom_mj.systems.boom.load import checked_data
+from boom_mj.systems.boom.load import CheckedData, checked_data
 from boom_mj.systems.boom.system import BoomSystem
 from boom_mj.systems.predictor import Predictor
 
@@ -155,6 +156,63 @@ class Answer:
         return pandas.json_normalize(self.document[key])
 
 
+@dataclass(frozen=True)
+class LawAnswer:
+    """What a discovery says.
+
+    Attributes:
+        found: the discovery with all its laws.
+        names: of the logs, training first.
+        findings: what is wrong with the logs themselves.
+    """
+
+    found: discovery.Discovery
+    names: tuple[str, ...]
+    findings: tuple[DataFinding, ...] = ()
+
+    @cached_property
+    def document(self) -> dict[str, Any]:
+        """All of it as plain data, as `gap discover --json` writes it."""
+        return discovery.document(self.found, self.names, self.findings)
+
+    @property
+    def verdict(self) -> str:
+        """law or none."""
+        return self.found.verdict
+
+    @property
+    def sentence(self) -> str:
+        """The verdict in words."""
+        return str(self.document["sentence"])
+
+    @property
+    def formula(self) -> str | None:
+        """The law; None where there is none."""
+        return self.document["law"]["formula"] if self.document["law"] else None
+
+    @property
+    def parameters(self) -> dict[str, Estimate]:
+        """Sizes of the law by name; nothing where there is none."""
+        law = self.document["law"] or {"parameters": {}}
+        return {name: Estimate(**size) for name, size in law["parameters"].items()}
+
+    def to_html(self, path: Path | str) -> None:
+        """Write the page of `gap discover --html`."""
+        from boom_mj.report import write_discovery
+
+        write_discovery(self.found, self.names, Path(path), self.findings)
+
+    def to_effect(self, path: Path | str) -> None:
+        """Write the law as an effect called as the file is, which `load_effects` and `--effects` take.
+
+        Raises:
+            InputError: there is no law.
+        """
+        if self.formula is None:
+            raise InputError(f"{path}: there is no law to be written")
+        write_text(Path(path), discovery.law_file(self.found, Path(path).stem))
+
+
 def diagnose(
     machine: Machine | Path | str,
     train: Sequence[Log],
@@ -181,6 +239,34 @@ def diagnose(
         MachineFileError: no such machine.
         LogError: a log that cannot be read, or that lacks the joint angles.
     """
+    system, checked = _checked(machine, train, holdout, tell)
+    found = diagnosis.diagnose(Predictor(system, checked.data), without, Clock(seconds, tell), most)
+    return Answer(system.machine, found, checked.names, checked.findings)
+
+
+def discover(
+    machine: Machine | Path | str,
+    train: Sequence[Log],
+    holdout: Sequence[Log] = (),
+    *,
+    without: Sequence[str] = (),
+    seconds: float | None = None,
+    tell: Callable[[str], None] = lambda line: None,
+) -> LawAnswer:
+    """Find the law behind a gap that no effect of the library closes; arguments and errors as of `diagnose`.
+
+    Args:
+        without: ids of effects of the library that a law may stand for.
+    """
+    system, checked = _checked(machine, train, holdout, tell)
+    found = discovery.discover(Predictor(system, checked.data), without, Clock(seconds, tell))
+    return LawAnswer(found, checked.names, checked.findings)
+
+
+def _checked(
+    machine: Machine | Path | str, train: Sequence[Log], holdout: Sequence[Log], tell: Callable[[str], None]
+) -> tuple[BoomSystem, CheckedData]:
+    """The nominal boom, and what is sound of its recordings."""
     boom = machine if isinstance(machine, Machine) else load_machine(machine)
     logs = (*train, *holdout)
     recordings = [log if isinstance(log, Recording) else read_log(log) for log in logs]
@@ -189,5 +275,4 @@ def diagnose(
     checked = checked_data(system, recordings, len(train), names)
     for finding in checked.findings:
         tell(finding.sentence)
-    found = diagnosis.diagnose(Predictor(system, checked.data), without, Clock(seconds, tell), most)
-    return Answer(boom, found, checked.names, checked.findings)
+    return system, checked
