@@ -6,8 +6,8 @@
 
 Classes are effects at their places, nothing, and what the library lacks. Features of every channel of every recording:
 the mean of its whitened residual, without nuisances, and the logarithm of its mean square in each frequency band. Their
-sensitivities are those of the first training case, so that answering takes no simulation unless samples are missing. The probability of a withheld
-effect counts as that of something outside the library. Needs `boom_mj[bench]`.
+sensitivities are those of the first training case, so that answering takes no simulation unless samples are missing.
+The probability of a withheld effect counts as that of something outside the library. Needs `boom_mj[bench]`.
 """
 
 import json
