@@ -6,8 +6,8 @@
 
 Classes are effects at their places, nothing, and what the library lacks. Features of every channel of every recording:
 the mean of its whitened residual, without nuisances, and the logarithm of its mean square in each frequency band. Their
-sensitivities are those of the first training case, so that answering takes no simulation. The probability of a withheld
-effect counts as that of something outside the library. Needs `boom_mj[bench]`.
+sensitivities are those of the first training case, so that answering takes no simulation unless samples are missing.
+The probability of a withheld effect counts as that of something outside the library. Needs `boom_mj[bench]`.
 """
 
 import json
@@ -31,7 +31,9 @@ TREES = 500
 def features(model: Linearisation, case: Case) -> Array:
     """Of a case about the machine of another with the same experiments, (f,)."""
     data, facts = case.data, model.facts
-    white = model.clean(model.noise.white(data.measured - model.base - model.mean_error))
+    if len(data.time) != len(model.base):  # a clock that is late leaves fewer samples
+        model = linearise(case.predictor())
+    white = np.where(data.used, model.clean(model.noise.white(data.measured - model.base - model.mean_error)), 0.0)
     found = []
     for number in range(len(data.channels)):
         series = white[data.stretch(number)]

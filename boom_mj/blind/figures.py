@@ -134,7 +134,7 @@ def figures(outcomes: Sequence[Outcome]) -> list[Figure]:
     """The figures that a diagnosis is measured by."""
     by = {kind: [o for o in outcomes if o.kind == kind] for kind in (*MIX, *MORE)}
     singles, outside, several = by["single"], [*by["withheld"], *by["stranger"]], by["several"]
-    closures = np.array([o.closure for o in outcomes if o.kind in LISTED and o.right])
+    closures = np.array([o.closure for o in outcomes if o.kind in LISTED and o.right and np.isfinite(o.closure)])
     wall = np.array([o.wall_s for o in outcomes if np.isfinite(o.wall_s)])
     return [
         _share("single effect: right id", [o.right for o in singles], (0.95, 1)),

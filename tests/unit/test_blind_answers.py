@@ -115,6 +115,7 @@ def test_a_method_has_one_row(read) -> None:
     found = graded("single", read(told(wall_s=3.0)), read(told(effects=[{**HEAVY, "id": "end_hose"}], wall_s=5.0)))
     row = leaderboard_row("ours", figures(found))
     assert row["single: id and place"] == "50 % of 2 (9 % to 91 %)" and row["median s"].startswith("4 (")
+    assert {f.name: f.count for f in figures(found)}["held-out closure of solved cases, median"] == 0  # none is given
     assert row["Brier score"].startswith("0.34 (") and row["false alarms"] == "-"
     head, rule, line = leaderboard([row]).splitlines()
     assert head.count("|") == rule.count("|") == line.count("|") and line.startswith("| ours | 50 %")
