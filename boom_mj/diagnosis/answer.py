@@ -57,7 +57,11 @@ def document(
         "sentence": sentence(found),
         "effects": [cause for cause, so in zip(causes, named) if so],
         "suspect": [cause for cause, so in zip(causes, named) if not so],
-        "others": {"outside_library": found.odds.outside_library, "none": found.odds.none},
+        "others": {
+            "outside_library": found.odds.outside_library,
+            "none": found.odds.none,
+            "combination": found.odds.combination,
+        },
         "rivals": [rival(found, other) for other in found.scored if other is not best][:RIVALS],
         "ties": [[brief(j.fit.effects) for j in (best, *found.ties)]] if best and found.ties else [],
         "next_experiment": found.next_experiment,

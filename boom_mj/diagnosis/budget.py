@@ -5,8 +5,9 @@ alone at their sizes, nuisances estimated anew, a cause's share is its Shapley v
 all orders of adding, so that shares, remainder v(all) - 1 and floor 1 add up to the whole.
 
 Windows are resampled as wholes. In every draw one of these is true: the machine as built needs no explanation, an
-explanation suffices and is the cheapest, or none suffices, so that something outside the library is at work. How often
-each is true is its probability; raw likelihoods of many correlated samples would make every wrong name certain.
+explanation suffices and is the cheapest, or none suffices. How often each is true, with what is known of how often
+explanations deceive (`odds`), is its probability; raw likelihoods of many correlated samples would make every wrong
+name certain.
 """
 
 from collections import Counter
@@ -49,11 +50,19 @@ class Budget:
 
 @dataclass(frozen=True)
 class Odds:
-    """Probabilities that add up to 1: of every scored explanation, of something outside the library, of nothing."""
+    """Probabilities that add up to 1.
+
+    Attributes:
+        explanations: of every scored one.
+        outside_library: of something that the library does not hold.
+        none: of nothing.
+        combination: of effects of the library that were not found together.
+    """
 
     explanations: tuple[float, ...]
     outside_library: float
     none: float
+    combination: float = 0.0
 
 
 def gap_budget(as_built: Array, best: Scored) -> Budget:
@@ -68,22 +77,45 @@ def gap_budget(as_built: Array, best: Scored) -> Budget:
     return Budget(tuple(shares), _share((left - 1) / whole), _share(1 / whole))
 
 
-def odds(as_built: Array, scored: Sequence[Scored], model: Linearisation) -> Odds:
-    """How often each explanation is the right one when held-out windows are drawn anew."""
+def odds(
+    as_built: Array, scored: Sequence[Scored], model: Linearisation, mimicked: Sequence[float] | None = None
+) -> Odds:
+    """How often each explanation is the right one when held-out windows are drawn anew.
+
+    An explanation that suffices may do what an effect outside the library does, and one that is not found may be of
+    effects of the library: with o, f and m the criteria `outside`, `fooled` and `missed`, and k what is mimicked,
+
+        P(outside | explained) = o (f + k) / (o (f + k) + (1 - o) (1 - m)),
+        P(outside | unexplained) = o (1 - f) / (o (1 - f) + (1 - o) m).
+
+    Args:
+        mimicked: how many of the library's other effects each explanation does as well on these data: so likely is it
+            that it does what an unknown one does; none if left out.
+    """
     criteria = model.criteria
     gaps = np.sqrt(_mean_squares(model, [as_built, *(one.fit.residual for one in scored)])[1:])
     before, after = gaps[:, 0], gaps[:, 1:]
-    count = len(gaps)
+    count, outside = len(gaps), criteria.outside
+    unknown = outside * (1 - criteria.fooled)
+    unknown /= unknown + (1 - outside) * criteria.missed
     if not scored:
-        healthy = before <= criteria.healthy_gap
-        return Odds((), float(np.mean(~healthy)), float(np.mean(healthy)))
+        healthy = float(np.mean(before <= criteria.healthy_gap))
+        return Odds((), unknown * (1 - healthy), healthy, (1 - unknown) * (1 - healthy))
     price = after * (1 + criteria.parameter_cost * np.array([len(one.fit.scaled) for one in scored]))
     first = np.argmin(np.where(after <= _enough(criteria, before)[:, None], price, np.inf), axis=1)
     suffices = after[np.arange(count), first] <= _enough(criteria, before)
     fall = before**2 - after.min(axis=1) ** 2
     none = (before <= criteria.healthy_gap) & (fall <= criteria.least_gain)
     chosen = np.bincount(first[suffices & ~none], minlength=len(scored)) / count
-    return Odds(tuple(map(float, chosen)), float(np.mean(~suffices & ~none)), float(np.mean(none)))
+    alike = outside * (criteria.fooled + (np.zeros(len(scored)) if mimicked is None else np.array(mimicked)))
+    alike = alike / (alike + (1 - outside) * (1 - criteria.missed))
+    left = float(np.mean(~suffices & ~none))
+    return Odds(
+        tuple(map(float, chosen * (1 - alike))),
+        float(chosen @ alike) + unknown * left,
+        float(np.mean(none)),
+        (1 - unknown) * left,
+    )
 
 
 def inclusion(found: Odds, scored: Sequence[Scored], effect: Effect) -> float:

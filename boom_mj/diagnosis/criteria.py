@@ -39,6 +39,15 @@ class Criteria:
     unlikely_gap: float = number(
         0.5, "share of gap", "that an unlikely size may leave, of what likely ones leave: doubt"
     )
+    outside: float = number(0.2, "share", "of causes, before any data, that no library holds: a decree")
+    fooled: float = number(0.08, "share", "of causes outside the library that it explained, 4 of 50 of opened seeds")
+    missed: float = number(0.07, "share", "of causes in the library left unexplained, 9 of 125 of opened seeds")
+    shadow: float = number(
+        0.65,
+        "share",
+        "of causes that leave a gap and surely close half, that stand for others: 15 of 20 of opened seeds",
+    )
+    named_probability: float = number(0.5, "probability", "from which a cause is named although it leaves a gap")
     leakage: float = number(0.01, "share", "of the mean square closed, that an effect's own inaccuracy may leave")
 
 
@@ -72,7 +81,7 @@ class SearchBudget:
 
 INFINITE = float("inf")
 BOOM = Criteria()
-MJCF = Criteria(second_cause_gap=INFINITE, error_share=0.02, required_gain=0.0, gain_z=1.0, leakage=0.0)
+MJCF = Criteria(second_cause_gap=INFINITE, error_share=0.02, required_gain=0.0, gain_z=1.0, leakage=0.0, shadow=0.2)
 OF_KIND = {"boom": BOOM, "mjcf": MJCF}
 
 

@@ -142,10 +142,18 @@ def _diagnose(predictor: Predictor, without: Sequence[str], clock: Clock, most: 
     gaps = training, before = gap(as_built, data.train), gap(as_built, data.held_out)
     clock.tell(f"gap as built {training:.2f} in training, {before:.2f} held out; screening")
     screened: list[Screened] = []
+    screening = None
     if not clock.over("the library"):
         screening = Screening(model, everywhere(model.system, without), spectral_lines(model, as_built))
         clock.tell(f"{len(screening.rows)} candidates screened")
         screened = screening.rank(raw)
+
+    def concluded(scored: Sequence[Scored]) -> Diagnosis:
+        mimicked = (
+            [screening.mimicked(j.fit.effects, raw, criteria.explained_gap) for j in scored] if screening else None
+        )
+        return _concluded(model, as_built, screened, scored, mimicked, clock)
+
     scored: list[Scored] = []
     promise = screened[0].share * training**2 if screened else 0.0
     if screened and (max(gaps) > criteria.healthy_gap or promise > criteria.healthy_promise):
@@ -153,13 +161,13 @@ def _diagnose(predictor: Predictor, without: Sequence[str], clock: Clock, most: 
     fall = before**2 - scored[0].held_out ** 2 if scored else 0.0
     worth = bool(scored) and (before > criteria.healthy_gap or fall > criteria.least_gain / 2)
     if worth:
-        keep(_concluded(model, as_built, screened, scored, clock))
+        keep(concluded(scored))
         scored = refined(scored, gaps, clock)
-    found = _concluded(model, as_built, screened, scored, clock)
+    found = concluded(scored)
     keep(found)
     other = None if found.solved else _extended(found, criteria.explained_gap, without, clock, most, keep)
     if worth and not other and not complete(gaps, scored[0]):
-        found = _concluded(model, as_built, screened, combined(scored, gaps, without, clock, most), clock)
+        found = concluded(combined(scored, gaps, without, clock, most))
         other = None if found.solved else _extended(found, criteria.near_noise_gap, without, clock, most, keep)
     return other if other and other.solved else found
 
@@ -189,9 +197,10 @@ def _concluded(
     as_built: Array,
     screened: Sequence[Screened],
     scored: Sequence[Scored],
+    mimicked: Sequence[float] | None,
     clock: Clock,
 ) -> Diagnosis:
-    """What scores say."""
+    """What scores say; `mimicked` of every scored explanation, see `odds`."""
     data, criteria = model.data, model.criteria
     gaps = _, before = gap(as_built, data.train), gap(as_built, data.held_out)
     best = choose(scored, gaps)
@@ -204,7 +213,7 @@ def _concluded(
         rivals = (j for j in scored if j is not best and solved(gaps, j))
         ties = tuple(j for j in rivals if ties_with(model, best, j, before))
         verdict = "ambiguous" if ties else "explained"
-    elif best and any(needed(best, scored, as_built, effect) for effect in best.fit.effects):
+    elif best and 1 - criteria.shadow >= criteria.named_probability and any_needed(best, scored, as_built):
         verdict = "partial"
         if criteria.gain_z:  # what is left does not hide that others leave as much
             ties = tuple(j for j in scored if j is not best and ties_with(model, best, j, before))
@@ -226,10 +235,15 @@ def _concluded(
         fidelity,
         following,
         model,
-        odds(as_built, scored, model),
+        odds(as_built, scored, model, mimicked),
         clock.skipped,
         simplest_gap(model, best) if verdict in ("unexplained", "partial") else None,
     )
+
+
+def any_needed(best: Scored, scored: Sequence[Scored], as_built: Array) -> bool:
+    """Whether nothing else does what one of the causes does."""
+    return any(needed(best, scored, as_built, effect) for effect in best.fit.effects)
 
 
 def simplest_gap(model: Linearisation, best: Scored | None) -> float | None:

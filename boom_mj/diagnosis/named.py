@@ -81,9 +81,9 @@ def _share(found: Diagnosis, number: int) -> dict[str, Any]:
 def probability(found: Diagnosis, effect: Effect) -> float:
     """That the machine has an effect of the best explanation, whatever else it has."""
     assert found.best is not None
-    alone = inclusion(found.odds, found.scored, effect)
-    sure = found.sure[found.best.fit.effects.index(effect)]
-    return alone + (found.odds.outside_library if sure else 0.0)
+    if found.verdict == "partial" and found.sure[found.best.fit.effects.index(effect)]:
+        return 1 - found.criteria.shadow
+    return inclusion(found.odds, found.scored, effect)
 
 
 def closure_of(found: Diagnosis, scored: Scored) -> float:

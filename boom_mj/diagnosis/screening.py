@@ -9,6 +9,7 @@ what the two have in common is known: the nuisances, and the effects that the ma
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from boom_mj.diagnosis.candidate import Candidate, Kind, apart
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.effects import Effect
 from boom_mj.estimation.least_squares import OPTIONS
-from boom_mj.systems.system import LinearResponse
+from boom_mj.systems.system import Hypothesis, LinearResponse
 
 Array = np.ndarray
 Part = slice | Array
@@ -39,6 +40,22 @@ class Screened:
     def starts(self) -> tuple[Candidate, ...]:
         """All from which a fit may begin."""
         return self.candidate, *self.others
+
+
+class NormalEquations(NamedTuple):
+    """Of screening columns J and a residual r.
+
+    Attributes:
+        slopes: J^T r, (c,).
+        curvature: blocks of J^T J by their rows and columns.
+        diagonal: of J^T J, (c,).
+        whole: <r, r>.
+    """
+
+    slopes: Array
+    curvature: Callable[[Part, Part], Array]
+    diagonal: Array
+    whole: float
 
 
 class Screening:
@@ -85,12 +102,13 @@ class Screening:
             elif number[point] != k:
                 self.columns[:, k] = self.columns[:, number[point]]
         ends = np.cumsum([0, *(len(group) for _, _, group in self.rows)])
+        self._known: tuple[Array, NormalEquations] | None = None
         self.stretches = [slice(start, stop) for start, stop in pairwise(ends)]
 
     def rank(self, residual: Array) -> list[Screened]:
         """Candidates by the share of a whitened residual that they may explain, best first, each at its best point."""
         budget = self.model.budget
-        slopes, curvature, whole = self.normal_equations(residual)
+        slopes, curvature, _, whole = self.normal_equations(residual)
         found: dict[tuple, list[Screened]] = {}
         for (kind, site, group), part in zip(self.rows, self.stretches):
             weights = np.linalg.solve(curvature(part, part) + np.eye(len(group)) / budget.weight_prior**2, slopes[part])
@@ -111,11 +129,38 @@ class Screening:
             ranked.append(replace(best, others=tuple(starts[1:])))
         return sorted(ranked, key=lambda s: -s.share)
 
-    def normal_equations(self, residual: Array) -> tuple[Array, Callable[[Part, Part], Array], float]:
-        """Slopes J^T r of a whitened residual (N,), (c,), blocks of J^T J by their columns, and <r, r>.
+    def mimicked(self, effects: Hypothesis, residual: Array, enough: float) -> float:
+        """How many kinds of other effects these would explain, had one of them caused a gap as large as a residual's.
 
-        All of it in the inner product of what follows: nuisances, but those at a limit, and the effects given.
+        A kind counts by the share of its sites. With u the part of a column that is none of the effects' columns, they
+        would leave the mean square 1 + u (<r, r> / n - 1).
+
+        Args:
+            residual: whitened, (N,).
+            enough: gap that an explanation may leave.
         """
+        equations = self.normal_equations(residual)
+        excess = max(equations.whole / len(self.columns) - 1, 0.0)
+        causes = {effect.cause for effect in effects}
+        own = [part for (kind, site, _), part in zip(self.rows, self.stretches) if (kind.id, site.key) in causes]
+        if not own:
+            return 0.0
+        mine = np.concatenate([np.arange(part.start, part.stop) for part in own])
+        across = equations.curvature(mine, np.arange(self.columns.shape[1]))
+        explained = np.einsum("kc,kc->c", across, np.linalg.pinv(across[:, mine], hermitian=True) @ across)
+        left = 1 - explained / np.maximum(equations.diagonal, 1e-12)
+        alike: dict[str, dict[tuple, bool]] = {}
+        for (kind, site, _), part in zip(self.rows, self.stretches):
+            if apart(kind, site, effects):
+                same = bool(np.all(1 + left[part] * excess <= enough**2))
+                places = alike.setdefault(kind.id, {})
+                places[site.key] = places.get(site.key, True) and same
+        return float(sum(np.mean(list(places.values())) for places in alike.values()))
+
+    def normal_equations(self, residual: Array) -> "NormalEquations":
+        """Of a whitened residual (N,), in the inner product of what follows: nuisances below their limits, effects."""
+        if self._known and self._known[0] is residual:
+            return self._known[1]
         posterior = self.model.posterior
         left, estimate = posterior.left(residual)
         count, free = len(estimate), posterior.free(estimate)
@@ -127,7 +172,14 @@ class Screening:
         def curvature(rows: Part, columns: Part) -> Array:
             return self.columns[:, rows].T @ self.columns[:, columns] - across[:, rows].T @ following[:, columns]
 
-        return self._onto(left[:, None])[0] - (left @ follow) @ following, curvature, float(left @ left)
+        found = NormalEquations(
+            self._onto(left[:, None])[0] - (left @ follow) @ following,
+            curvature,
+            np.einsum("nc,nc->c", self.columns, self.columns) - np.einsum("kc,kc->c", across, following),
+            float(left @ left),
+        )
+        self._known = residual, found
+        return found
 
     def _onto(self, vectors: Array) -> Array:
         """Products of vectors (training, k) with all columns, (k, c); in parts, whose copies are small."""

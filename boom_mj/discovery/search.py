@@ -105,7 +105,7 @@ def sums(model: Linearisation, raw: Array, places: Sequence[Place]) -> list[list
     for (kind, _, group), part in zip(screening.rows, screening.stretches):
         place, term = kinds[kind]
         columns.append(Column(place, term, group[0].get(term.shape.name) if term.shape else None, part))
-    slopes, curvature, whole = screening.normal_equations(raw)
+    slopes, curvature, _, whole = screening.normal_equations(raw)
     found = []
     for place in places:
         own = [column for column in columns if column.place is place]

@@ -17,3 +17,16 @@ def test_a_misfit_that_several_periods_explain_starts_fits_at_each(model: Linear
     (found,) = screening.rank(residual)
     found_at = [candidate.effects[0].values["frequency"] for candidate in found.starts]
     assert {0.60, 0.62} <= {*found_at} and not {1.5, 3.0} & {*found_at}
+
+
+def test_what_looks_alike_on_these_data_is_mimicked(model: Linearisation) -> None:
+    """A pulsation does nothing that a payload does; whoever may leave all does what all others do."""
+    payload, hose = (make_effect(name, {"mass": 20.0}) for name in ("tip_payload", "end_hose"))
+    kinds = [(type(payload), payload.site), (type(hose), hose.site), (type(PULSATION), PULSATION.site)]
+    screening = Screening(model, kinds, [0.6])
+    residual = np.zeros(len(model.noise.weight))
+    residual[model.data.train] = 100 * screening.columns[:, screening.stretches[0]][:, 0]
+    assert screening.mimicked((PULSATION,), residual, 1.03) == 0.0
+    assert screening.mimicked((payload,), residual, 1e9) == 2.0
+    alone = Screening(model, kinds[:1], [])
+    assert alone.mimicked((payload,), residual, 1e9) == 0.0

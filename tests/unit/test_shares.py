@@ -3,7 +3,12 @@
 import numpy as np
 import pytest
 
-from boom_mj.diagnosis.budget import MOST_SUBSETS, _shapley, _subsets
+from boom_mj.diagnosis.budget import MOST_SUBSETS, _shapley, _subsets, odds
+from boom_mj.diagnosis.candidate import Candidate
+from boom_mj.diagnosis.fitting import Fit
+from boom_mj.diagnosis.linearisation import Linearisation
+from boom_mj.diagnosis.scoring import Scored
+from boom_mj.effects import make_effect
 
 
 @pytest.mark.parametrize("count", [1, 2, 5, 6, 8])
@@ -17,3 +22,25 @@ def test_shares_add_up_and_of_independent_causes_are_their_own(count: int) -> No
     entangled = rng.uniform(1, 100, (3, len(subsets)))
     shares = sum(_shapley(entangled, at, k, count) for k in range(count))
     assert shares == pytest.approx(entangled[:, at[()]] - entangled[:, at[tuple(range(count))]])
+
+
+def explanation(model: Linearisation, residual: np.ndarray) -> Scored:
+    effect = make_effect("tip_payload", {"mass": 20.0})
+    fit = Fit(Candidate((effect,)), np.ones(1), (effect,), residual, np.zeros((len(residual), 1)), 0.0)
+    return Scored(fit, model, 1.0, 1.0, np.ones(1))
+
+
+@pytest.mark.parametrize("left", [0.9, 3.0])
+def test_odds_add_up_and_what_mimics_others_is_less_sure(model: Linearisation, left: float) -> None:
+    size = len(model.noise.weight)
+    scored = [explanation(model, np.full(size, left))]
+    found = [odds(np.full(size, 5.0), scored, model, [count]) for count in (0.0, 1.0, 10.0)]
+    for one in found:
+        whole = sum(one.explanations) + one.outside_library + one.none + one.combination
+        assert whole == pytest.approx(1) and one.none == 0
+    if left < 1:
+        sure = [one.explanations[0] for one in found]
+        assert 0.9 < sure[0] < 1 and sure[0] > sure[1] > sure[2] and not found[0].combination
+    else:
+        assert found[0] == found[2] and found[0].explanations == (0.0,)
+        assert found[0].outside_library > found[0].combination > 0

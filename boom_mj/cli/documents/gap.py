@@ -140,7 +140,7 @@ class GapDiagnose(Part):
     channels: list[ChannelSteps]
     """None while the search runs."""
     provenance: dict[str, Any]
-    others: dict[Literal["outside_library", "none"], Number]
+    others: dict[Literal["outside_library", "none", "combination"], Number]
     """Probabilities beside those of the explanations."""
     budget: list[Share]
     remainder: Remainder | None
