@@ -4,6 +4,8 @@ from collections.abc import Iterator
 
 import pytest
 
+from boom_mj.effects import effect_library, registry
+
 
 @pytest.fixture(scope="session")
 def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
@@ -17,3 +19,13 @@ def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         distributed.LocalCluster(**options, local_directory=str(tmp_path_factory.mktemp("dask"))) as made,
     ):
         yield made.scheduler_address
+
+
+@pytest.fixture
+def own_files() -> Iterator[None]:
+    """Files of effects that a test loads are known in it alone."""
+    known = dict(registry._files)
+    yield
+    registry._files.clear()
+    registry._files.update(known)
+    effect_library.cache_clear()

@@ -1,5 +1,7 @@
 """Where a law may be, what it may say there, and the class that it is."""
 
+import ast
+import operator
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
@@ -20,6 +22,13 @@ NAMES = {name: getattr(np, name) for name in ("sin", "cos", "pi", "maximum", "mi
     "lagged": laws.lagged,
 }
 """What formulas may call."""
+OPERATORS: Mapping[type[ast.operator], Callable[[Any, Any], Any]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: operator.pow,
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,13 +93,28 @@ class Place:
         """A coefficient with which its function is of the size of the law."""
         if coefficient in self.sizes:
             return self.sizes[coefficient]
-        values = function_of(self.text(function), [*self.variables, *shape])(**self.variables, **shape)
+        values = value_of(self.text(function), {**self.variables, **shape})
         return self.size / max(float(np.sqrt(np.mean(np.square(values)))), 1e-12)
 
 
-def function_of(text: str, names: Sequence[str]) -> Any:
-    """A formula of the grammar as a function of named arguments; further ones are ignored."""
-    return eval(f"lambda {', '.join(names)}, **others: {text}", dict(NAMES))  # formulas are the grammar's own
+def value_of(formula: str, variables: Mapping[str, Any]) -> Any:
+    """A formula of the grammar at given variables; nothing else than NAMES can be called."""
+    return _value(ast.parse(formula, mode="eval").body, variables)
+
+
+def _value(node: ast.expr, variables: Mapping[str, Any]) -> Any:
+    match node:
+        case ast.Constant(value=float() | int() as number):
+            return number
+        case ast.Name(id=name):
+            return variables[name] if name in variables else NAMES[name]
+        case ast.UnaryOp(op=ast.USub(), operand=operand):
+            return -_value(operand, variables)
+        case ast.BinOp(left=left, op=op, right=right):
+            return OPERATORS[type(op)](_value(left, variables), _value(right, variables))
+        case ast.Call(func=ast.Name(id=name), args=arguments):
+            return NAMES[name](*(_value(argument, variables) for argument in arguments))
+    raise AssertionError(f"the grammar has no {ast.unparse(node)}")
 
 
 def law_class(place: Place, terms: Sequence[Term], sizes: Mapping[str, float] | None = None) -> type[Effect]:
@@ -124,8 +148,7 @@ def law_class(place: Place, terms: Sequence[Term], sizes: Mapping[str, float] | 
         **place.attributes,
     }
     if hasattr(place.base, "law"):
-        law = function_of(formula, [*place.variables, *table])
-        body["law"] = lambda self, **variables: law(**variables)
+        body["law"] = lambda self, **variables: value_of(formula, variables)
     return type("FoundLaw", (place.base,), body)
 
 

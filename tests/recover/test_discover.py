@@ -44,6 +44,8 @@ unit = "N"
 """
 AMPLITUDE, PERIOD = 12.0, 0.11
 
+pytestmark = pytest.mark.usefixtures("own_files")
+
 
 def measured(folder: Path, cogging: float) -> list[str]:
     """A log, and the words of the command line that come with it."""

@@ -1,6 +1,5 @@
 """What unit tests share."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,7 +8,6 @@ import pytest
 
 from boom_mj.diagnosis.criteria import BOOM
 from boom_mj.diagnosis.linearisation import Linearisation
-from boom_mj.effects import effect_library, registry
 from boom_mj.estimation.linear import LinearPosterior
 from boom_mj.estimation.noise import NoiseModel
 from boom_mj.logs import read_log
@@ -19,16 +17,6 @@ from boom_mj.systems.boom import BoomSystem
 from boom_mj.systems.predictor import Predictor, dataset_of
 
 ROOT = Path(__file__).parents[2]
-
-
-@pytest.fixture
-def own_files() -> Iterator[None]:
-    """Files of effects that a test loads are known in it alone."""
-    known = dict(registry._files)
-    yield
-    registry._files.clear()
-    registry._files.update(known)
-    effect_library.cache_clear()
 
 
 @pytest.fixture(scope="session")

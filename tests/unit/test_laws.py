@@ -15,6 +15,8 @@ from boom_mj.recording import Signal
 from boom_mj.simulation import make_plant
 from boom_mj.testing import check_effect
 
+pytestmark = pytest.mark.usefixtures("own_files")
+
 
 def site(**location: int) -> Site:
     return next(s for s in BOOM_SITES if s.location == location)
