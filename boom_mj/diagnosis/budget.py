@@ -89,8 +89,8 @@ def odds(
         P(outside | unexplained) = o (1 - f) / (o (1 - f) + (1 - o) m).
 
     Args:
-        mimicked: how many of the library's other effects each explanation does as well on these data: so likely is it
-            that it does what an unknown one does; none if left out.
+        mimicked: how many of the library's other effects each explanation does as well on these data, up to one: so
+            likely is it that it does what an unknown one does; none if left out.
     """
     criteria = model.criteria
     gaps = np.sqrt(_mean_squares(model, [as_built, *(one.fit.residual for one in scored)])[1:])
@@ -107,7 +107,7 @@ def odds(
     fall = before**2 - after.min(axis=1) ** 2
     none = (before <= criteria.healthy_gap) & (fall <= criteria.least_gain)
     chosen = np.bincount(first[suffices & ~none], minlength=len(scored)) / count
-    alike = outside * (criteria.fooled + (np.zeros(len(scored)) if mimicked is None else np.array(mimicked)))
+    alike = outside * (criteria.fooled + (np.zeros(len(scored)) if mimicked is None else np.minimum(mimicked, 1.0)))
     alike = alike / (alike + (1 - outside) * (1 - criteria.missed))
     left = float(np.mean(~suffices & ~none))
     return Odds(

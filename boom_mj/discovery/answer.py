@@ -96,7 +96,8 @@ def sentence(found: Discovery) -> str:
     if found.verdict == "law":
         same = found.same_as.label if found.same_as else ""
         known = f" The library has it: it is {same}." if same else ""
-        also = f" {len(found.ties)} other laws do as well." if found.ties else ""
+        count = len(found.ties)
+        also = "" if not count else " Another law does as well." if count == 1 else f" {count} other laws do as well."
         return f"The law is {law}: it closes {share.value:.0%} of the held-out gap.{known}{also}"
     if found.library is not None and found.library.held_out < best.held_out:
         return (
