@@ -32,6 +32,17 @@ Cluster = Annotated[
     typer.Option(metavar="ADDRESS", help="Dask scheduler whose workers share it instead; they see the same folders."),
 ]
 
+ChannelMapFile = Annotated[
+    Path | None, typer.Option("--map", metavar="MAP.toml", help="Any machine: what the fields of its logs are.")
+]
+ModelFile = Annotated[Path | None, typer.Option(metavar="MODEL.xml", help="Its MJCF file; the map's if left out.")]
+LogsMachine = Annotated[str | None, typer.Option(help="Machine file or name; the logs' own if left out.")]
+AnswerFile = Annotated[str | None, typer.Option("--json", metavar="FILE", help="Answer as JSON; - for stdout.")]
+AnswerPage = Annotated[Path | None, typer.Option(metavar="FILE", help="Answer as a page with pictures.")]
+Seconds = Annotated[
+    float | None, typer.Option("--time", min=0, metavar="S", help="Seconds after which nothing more is refined.")
+]
+
 
 def _load(paths: list[Path] | None) -> list[Path] | None:
     for path in paths or ():

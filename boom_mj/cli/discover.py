@@ -6,7 +6,18 @@ from typing import Annotated, Any
 
 import typer
 
-from boom_mj.cli.arguments import EffectFiles, output_path, printable, stopwatch
+from boom_mj.cli.arguments import (
+    AnswerFile,
+    AnswerPage,
+    ChannelMapFile,
+    EffectFiles,
+    LogsMachine,
+    ModelFile,
+    Seconds,
+    output_path,
+    printable,
+    stopwatch,
+)
 from boom_mj.cli.gap_data import load_gap_data
 from boom_mj.errors import InputError
 from boom_mj.files import write_text
@@ -18,9 +29,9 @@ def command(
         list[Path] | None,
         typer.Option(metavar="LOGS...", help="Held-out logs; without any, logs are split in time."),
     ] = None,
-    machine: Annotated[str | None, typer.Option(help="Machine file or name; the logs' own if left out.")] = None,
-    as_json: Annotated[str | None, typer.Option("--json", metavar="FILE", help="Answer as JSON; - for stdout.")] = None,
-    html: Annotated[Path | None, typer.Option(metavar="FILE", help="Answer as a page with pictures.")] = None,
+    machine: LogsMachine = None,
+    as_json: AnswerFile = None,
+    html: AnswerPage = None,
     output: Annotated[
         Path | None, typer.Option("-o", metavar="LAW.py", help="The law as an effect that --effects takes.")
     ] = None,
@@ -28,15 +39,9 @@ def command(
         list[str] | None,
         typer.Option(metavar="ID", help="Effect of the library that a law may stand for; several may be given."),
     ] = None,
-    channels: Annotated[
-        Path | None, typer.Option("--map", metavar="MAP.toml", help="Any machine: what the fields of its logs are.")
-    ] = None,
-    model: Annotated[
-        Path | None, typer.Option(metavar="MODEL.xml", help="Its MJCF file; the map's if left out.")
-    ] = None,
-    seconds: Annotated[
-        float | None, typer.Option("--time", min=0, metavar="S", help="Seconds after which nothing more is refined.")
-    ] = None,
+    channels: ChannelMapFile = None,
+    model: ModelFile = None,
+    seconds: Seconds = None,
     own_effects: EffectFiles = None,
 ) -> None:
     """Find the law behind a gap that no effect of the library closes: a formula at one place, with units and intervals.

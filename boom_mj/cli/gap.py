@@ -10,8 +10,14 @@ import typer
 
 from boom_mj.cli import blind, discover, watch
 from boom_mj.cli.arguments import (
+    AnswerFile,
+    AnswerPage,
     AsJson,
+    ChannelMapFile,
     EffectFiles,
+    LogsMachine,
+    ModelFile,
+    Seconds,
     output_folder,
     output_path,
     printable,
@@ -112,9 +118,9 @@ def diagnose(
             help="Held-out logs (one's start trains if no other shows its gap); without any, logs are split in time.",
         ),
     ] = None,
-    machine: Annotated[str | None, typer.Option(help="Machine file or name; the logs' own if left out.")] = None,
-    as_json: Annotated[str | None, typer.Option("--json", metavar="FILE", help="Answer as JSON; - for stdout.")] = None,
-    html: Annotated[Path | None, typer.Option(metavar="FILE", help="Answer as a page with pictures.")] = None,
+    machine: LogsMachine = None,
+    as_json: AnswerFile = None,
+    html: AnswerPage = None,
     output: Annotated[
         Path | None,
         typer.Option("-o", metavar="CORRECTED.toml", help="Machine file with the effects of the answer in it."),
@@ -131,13 +137,8 @@ def diagnose(
     without: Annotated[
         list[str] | None, typer.Option(metavar="ID", help="Effect to leave out of the library; several may be given.")
     ] = None,
-    channels: Annotated[
-        Path | None,
-        typer.Option("--map", metavar="MAP.toml", help="Any machine: what the fields of its logs are."),
-    ] = None,
-    model: Annotated[
-        Path | None, typer.Option(metavar="MODEL.xml", help="Its MJCF file; the map's if left out.")
-    ] = None,
+    channels: ChannelMapFile = None,
+    model: ModelFile = None,
     healthy: Annotated[
         list[Path] | None,
         typer.Option(metavar="LOGS...", help="Logs of the machine when it was well: what changed since is diagnosed."),
@@ -146,10 +147,7 @@ def diagnose(
         int | None,
         typer.Option(min=1, metavar="N", help="Most causes of an explanation; what suits the machine if left out."),
     ] = None,
-    seconds: Annotated[
-        float | None,
-        typer.Option("--time", min=0, metavar="S", help="Seconds after which nothing more is refined."),
-    ] = None,
+    seconds: Seconds = None,
     strict: Annotated[
         bool, typer.Option("--strict", help="Refuse logs with which anything is wrong, instead of using what is sound.")
     ] = False,

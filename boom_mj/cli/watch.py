@@ -6,7 +6,18 @@ from typing import Annotated, Any
 
 import typer
 
-from boom_mj.cli.arguments import EffectFiles, check_machine, find_machine, output_path, stopwatch
+from boom_mj.cli.arguments import (
+    AnswerFile,
+    ChannelMapFile,
+    EffectFiles,
+    LogsMachine,
+    ModelFile,
+    Seconds,
+    check_machine,
+    find_machine,
+    output_path,
+    stopwatch,
+)
 from boom_mj.errors import InputError
 from boom_mj.files import write_text
 
@@ -17,17 +28,11 @@ def command(
         list[Path],
         typer.Option(metavar="LOGS...", help="Logs of the machine when it was well."),
     ],
-    machine: Annotated[str | None, typer.Option(help="Machine file or name; the logs' own if left out.")] = None,
-    channels: Annotated[
-        Path | None, typer.Option("--map", metavar="MAP.toml", help="Any machine: what the fields of its logs are.")
-    ] = None,
-    model: Annotated[
-        Path | None, typer.Option(metavar="MODEL.xml", help="Its MJCF file; the map's if left out.")
-    ] = None,
-    as_json: Annotated[str | None, typer.Option("--json", metavar="FILE", help="Answer as JSON; - for stdout.")] = None,
-    seconds: Annotated[
-        float | None, typer.Option("--time", min=0, metavar="S", help="Seconds after which nothing more is refined.")
-    ] = None,
+    machine: LogsMachine = None,
+    channels: ChannelMapFile = None,
+    model: ModelFile = None,
+    as_json: AnswerFile = None,
+    seconds: Seconds = None,
     own_effects: EffectFiles = None,
 ) -> None:
     """Say of every log whether the machine is still what it was, since when it is not, and what changed.

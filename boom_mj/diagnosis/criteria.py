@@ -47,6 +47,7 @@ class Criteria:
         "share",
         "of causes that leave a gap and surely close half, that stand for others: 15 of 20 of opened seeds",
     )
+    main_share: float = number(0.5, "share of gap", "that a law must surely close: what closes less is not its cause")
     named_probability: float = number(0.5, "probability", "from which a cause is named although it leaves a gap")
     leakage: float = number(0.01, "share", "of the mean square closed, that an effect's own inaccuracy may leave")
 
@@ -76,6 +77,10 @@ class SearchBudget:
     worse: float = number(1.2, "times the gap", "at which a refinement is given up")
     hope: float = number(0.9, "share of gap", "of what there was to explain: what leaves more is not refined")
     close: float = number(1.5, "times the best gap", "up to which a rival is refined")
+    law_terms: int = number(4, "terms", "of a law at most: more are no short formula")
+    law_beam: int = number(6, "sums of terms", "that are extended by one more")
+    law_places: int = number(4, "places", "at which laws are fitted")
+    law_forms: int = number(3, "laws", "of as many terms at a place, that are fitted")
     rival: float = number(0.1, "share of gap", "of what there was, up to which it is even where the best suffices")
 
 

@@ -17,9 +17,9 @@ from boom_mj.replay.quality import DataFinding
 def document(found: Discovery, names: Sequence[str], findings: Sequence[DataFinding] = ()) -> dict[str, Any]:
     """Verdict, law, gaps, the front of laws by length, and what the library does."""
     data, best = found.model.data, found.best
-    after = best.residual if best else found.nominal
+    after = best.residual if best else found.as_built
     gaps = {
-        part: {"before": gap(found.nominal, rows), "after": gap(after, rows), "floor": 1.0}
+        part: {"before": gap(found.as_built, rows), "after": gap(after, rows), "floor": 1.0}
         for part, rows in (("train", data.train), ("holdout", data.held_out))
     }
     share = found.closure
@@ -54,7 +54,7 @@ def document(found: Discovery, names: Sequence[str], findings: Sequence[DataFind
 
 def _closure(found: Discovery, law: FoundLaw) -> float:
     """Of the held-out gap."""
-    return held_out_closure(found.model, found.nominal, law.residual).value
+    return held_out_closure(found.model, found.as_built, law.residual).value
 
 
 def _law(law: FoundLaw) -> dict[str, Any]:
@@ -89,8 +89,12 @@ def _effect(scored: Any) -> str | None:
 def sentence(found: Discovery) -> str:
     """What was found, in words."""
     data, best, share = found.model.data, found.best, found.closure
+    size = gap(found.as_built, data.held_out)
+    if best is None and found.skipped:
+        return f"There was no time to fit a law to a held-out gap of {size:.2f}."
+    if best is None and not found.healthy:
+        return f"There is no place whose law could close most of the held-out gap of {size:.2f}."
     if best is None:
-        size = gap(found.nominal, data.held_out)
         return f"There is nothing to discover: the held-out gap is {size:.2f}, where noise alone leaves 1."
     law = f"{with_numbers(best)}, on {best.place.acts_on}"
     if found.verdict == "law":

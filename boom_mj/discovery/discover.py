@@ -1,7 +1,7 @@
 """The discovery: the place and the formula of what a machine has and neither its model nor the library has."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -15,7 +15,7 @@ from boom_mj.diagnosis.linearisation import Linearisation, linearise
 from boom_mj.diagnosis.scoring import Scored
 from boom_mj.diagnosis.screening import Screening, spectral_lines
 from boom_mj.diagnosis.stages import refined, singles
-from boom_mj.discovery.search import MAIN_SHARE, FoundLaw, fitted, possible, replaced, sums
+from boom_mj.discovery.search import FoundLaw, fitted, possible, sums
 from boom_mj.discovery.where import places_of
 from boom_mj.estimation.bootstrap import Closure, gap, worse_by
 from boom_mj.systems.predictor import Predictor
@@ -29,13 +29,13 @@ class Discovery:
 
     Attributes:
         verdict: "law" or "none".
-        best: the law, or the best of the grammar where none is one; None where there is nothing to discover.
+        best: the law, or the best of the grammar where none is one; None where no law was fitted.
         front: of laws by size, each leaving less than all shorter ones, shortest first.
         ties: other laws of no more terms that the data cannot tell from the best.
         library: the library's effect that does best alone, None where none helps.
         same_as: it, where it does what the law does.
         places: of every place the law that leaves least there, the best first.
-        nominal: whitened residual of the nominal model with its nuisances, (N,).
+        as_built: whitened residual of the machine as built, (N,).
         model: the healthy machine.
         skipped: what was not looked at for want of time.
     """
@@ -47,15 +47,21 @@ class Discovery:
     library: Scored | None
     same_as: Scored | None
     places: tuple[FoundLaw, ...]
-    nominal: Array
+    as_built: Array
     model: Linearisation
     skipped: tuple[str, ...] = ()
+
+    @property
+    def healthy(self) -> bool:
+        """Whether there is no gap, in training or held out."""
+        data = self.model.data
+        return max(gap(self.as_built, rows) for rows in (data.train, data.held_out)) <= self.model.criteria.healthy_gap
 
     @cached_property
     def closure(self) -> Closure:
         """Of the held-out gap, by the best law."""
-        after = self.best.residual if self.best else self.nominal
-        return held_out_closure(self.model, self.nominal, after)
+        after = self.best.residual if self.best else self.as_built
+        return held_out_closure(self.model, self.as_built, after)
 
 
 def discover(predictor: Predictor, without: Sequence[str] = (), clock: Clock | None = None) -> Discovery:
@@ -74,27 +80,31 @@ def _discover(predictor: Predictor, without: Sequence[str], clock: Clock) -> Dis
     clock.tell("fidelity and nuisances")
     model = linearise(predictor)
     raw = model.residual(model.base)
-    nominal = model.clean(raw)
-    gaps = gap(nominal, model.data.train), gap(nominal, model.data.held_out)
-    clock.tell(f"nominal gap {gaps[0]:.2f} in training, {gaps[1]:.2f} held out")
+    as_built = model.clean(raw)
+    gaps = gap(as_built, model.data.train), gap(as_built, model.data.held_out)
+    clock.tell(f"gap as built {gaps[0]:.2f} in training, {gaps[1]:.2f} held out")
     if max(gaps) <= model.criteria.healthy_gap:
-        return Discovery("none", None, (), (), None, None, (), nominal, model, clock.skipped)
-    places = possible(model, nominal, places_of(model))
+        return Discovery("none", None, (), (), None, None, (), as_built, model, clock.skipped)
+    places = possible(model, as_built, places_of(model))
     clock.tell(f"{sum(len(place.terms) for place in places)} terms at {len(places)} places")
-    laws = sorted(fitted(model, sums(model, raw, places), gaps[0], clock), key=lambda found: found.held_out)
+    ranked = sums(model, raw, places) if places else []
+    laws = sorted(fitted(model, ranked, gaps[0], clock), key=lambda found: found.held_out)
     front = _front(laws)
-    best = _refined(_chosen(model, nominal, laws), gaps, clock) if laws else None
+    best = None
+    if laws:
+        chosen = _chosen(model, as_built, laws)
+        best = replace(chosen, scored=refined([chosen.scored], gaps, clock)[0])
     clock.tell("the library")
     fall = 1 - (gap(best.residual, model.data.train) / gaps[0]) ** 2 if best else 0.0
-    library = _library(model, raw, nominal, MAIN_SHARE * fall, clock)
+    library = _library(model, raw, as_built, model.criteria.main_share * fall, clock)
     left = [one for one in library if one.fit.effects[0].id not in without]
     same = next((one for one in library if best and _alike(model, one, best)), None)
     named = left[0] if left else None
-    verdict = "law" if best and _is_law(model, nominal, best) else "none"
+    verdict = "law" if best and _is_law(model, as_built, best) else "none"
     if best and named and named is not same and _better(model, named, best):
         verdict = "none"
     ties = tuple(one for one in laws if best and _tied(model, best, one))
-    return Discovery(verdict, best, front, ties, named, same, _by_place(laws), nominal, model, clock.skipped)
+    return Discovery(verdict, best, front, ties, named, same, _by_place(laws), as_built, model, clock.skipped)
 
 
 def _front(laws: Sequence[FoundLaw]) -> tuple[FoundLaw, ...]:
@@ -115,14 +125,14 @@ def _by_place(laws: Sequence[FoundLaw]) -> tuple[FoundLaw, ...]:
     return tuple(found.values())
 
 
-def _chosen(model: Linearisation, nominal: Array, laws: Sequence[FoundLaw]) -> FoundLaw:
+def _chosen(model: Linearisation, as_built: Array, laws: Sequence[FoundLaw]) -> FoundLaw:
     """The shortest law that leaves no more than the best beyond what chance does, or beyond its own inaccuracy.
 
     Laws with a term that may be 0 count only where there is no other.
     """
     laws = [law for law in laws if law.certain] or laws
     best = min(laws, key=lambda law: _left(model, law.residual))
-    leaks = model.criteria.leakage * (_left(model, nominal) - _left(model, best.residual))
+    leaks = model.criteria.leakage * (_left(model, as_built) - _left(model, best.residual))
 
     def enough(law: FoundLaw) -> bool:
         loss, error = _loss(model, best.residual, law.residual)
@@ -142,17 +152,12 @@ def _loss(model: Linearisation, better: Array, worse: Array) -> tuple[float, flo
     return worse_by(model.data.windows[rows], better[rows], worse[rows])
 
 
-def _refined(best: FoundLaw, gaps: tuple[float, float], clock: Clock) -> FoundLaw:
-    again = refined([best.scored], gaps, clock)[0]
-    return replaced(best, again)
-
-
-def _library(model: Linearisation, raw: Array, nominal: Array, least: float, clock: Clock) -> list[Scored]:
+def _library(model: Linearisation, raw: Array, as_built: Array, least: float, clock: Clock) -> list[Scored]:
     """The library's effects alone, the best first, of those that promise at least a share of the training misfit."""
     if clock.over("the library"):
         return []
-    gaps = gap(nominal, model.data.train), gap(nominal, model.data.held_out)
-    screening = Screening(model, everywhere(model.system), spectral_lines(model, nominal))
+    gaps = gap(as_built, model.data.train), gap(as_built, model.data.held_out)
+    screening = Screening(model, everywhere(model.system), spectral_lines(model, as_built))
     promising = [one for one in screening.rank(raw) if one.share >= least]
     return refined(singles(model, promising, clock), gaps, clock) if promising else []
 
@@ -176,8 +181,8 @@ def _tied(model: Linearisation, best: FoundLaw, other: FoundLaw) -> bool:
     return loss <= model.criteria.tie_z * error
 
 
-def _is_law(model: Linearisation, nominal: Array, best: FoundLaw) -> bool:
+def _is_law(model: Linearisation, as_built: Array, best: FoundLaw) -> bool:
     """Whether a law surely closes most of the gap; of one near noise it must be no chance."""
-    near = gap(nominal, model.data.held_out) <= model.criteria.near_noise_gap
-    share = held_out_closure(model, nominal, best.residual)
-    return share.low > MAIN_SHARE and (not near or sure(model, nominal, best.scored))
+    near = gap(as_built, model.data.held_out) <= model.criteria.near_noise_gap
+    share = held_out_closure(model, as_built, best.residual)
+    return share.low > model.criteria.main_share and (not near or sure(model, as_built, best.scored))

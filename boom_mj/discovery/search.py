@@ -5,12 +5,13 @@ normal equations, so that a law of three terms costs no further simulation until
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from boom_mj.diagnosis.candidate import Candidate
 from boom_mj.diagnosis.clock import Clock
+from boom_mj.diagnosis.criteria import SearchBudget
 from boom_mj.diagnosis.fitting import fit
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.scoring import Scored, score
@@ -18,14 +19,9 @@ from boom_mj.diagnosis.screening import Screening
 from boom_mj.discovery.grammar import Term
 from boom_mj.discovery.places import Place, law_class
 from boom_mj.estimation.intervals import Z95
+from boom_mj.estimation.least_squares import OPTIONS
 
 Array = np.ndarray
-MOST_TERMS = 4  # of a law: more are no short formula
-BEAM = 6  # sums of terms that are extended by one more
-PLACES = 4  # at which laws are fitted
-FITTED = 3  # laws of as many terms at a place that are fitted
-MAIN_SHARE = 0.5  # of a gap, that what causes it closes
-WEIGHT_PRIOR = 30.0  # sizes worth finding, prior deviation of a coefficient
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,10 +79,10 @@ class FoundLaw:
         return len(self.scored.fit.scaled)
 
 
-def possible(model: Linearisation, nominal: Array, places: Sequence[Place]) -> list[Place]:
+def possible(model: Linearisation, as_built: Array, places: Sequence[Place]) -> list[Place]:
     """Places whose law could close most of the gap: a sensor's law can close no more than lies in its channel."""
     data = model.data
-    excess = np.where(data.train & data.used, nominal**2 - 1, 0.0)
+    excess = np.where(data.train & data.used, as_built**2 - 1, 0.0)
     own = np.bincount(data.channel_of, excess, len(data.channels))
     whole = max(float(own.sum()), 1e-12)
 
@@ -94,7 +90,7 @@ def possible(model: Linearisation, nominal: Array, places: Sequence[Place]) -> l
         mine = [k for k, c in enumerate(data.channels) if (c.signal, c.column) == place.channel]
         return float(own[mine].sum()) / whole if place.channel else 1.0
 
-    return [place for place in places if share(place) > MAIN_SHARE]
+    return [place for place in places if share(place) > model.criteria.main_share]
 
 
 def sums(model: Linearisation, raw: Array, places: Sequence[Place]) -> list[list[Sum]]:
@@ -111,14 +107,22 @@ def sums(model: Linearisation, raw: Array, places: Sequence[Place]) -> list[list
         own = [column for column in columns if column.place is place]
         if own:
             numbers = np.concatenate([np.arange(c.part.start, c.part.stop) for c in own])
-            found.append(_beam(place, own, numbers, slopes[numbers], curvature(numbers, numbers), whole))
+            found.append(_beam(place, own, numbers, slopes[numbers], curvature(numbers, numbers), whole, model.budget))
     return sorted(found, key=lambda ranked: -max(s.share for s in ranked))
 
 
-def _beam(place: Place, own: Sequence[Column], numbers: Array, slopes: Array, square: Array, whole: float) -> list[Sum]:
-    """Beam search over sums of up to MOST_TERMS columns."""
+def _beam(
+    place: Place,
+    own: Sequence[Column],
+    numbers: Array,
+    slopes: Array,
+    square: Array,
+    whole: float,
+    budget: SearchBudget,
+) -> list[Sum]:
+    """Beam search over sums of columns."""
     where = {column: np.searchsorted(numbers, np.arange(column.part.start, column.part.stop)) for column in own}
-    square = square + np.eye(len(square)) / WEIGHT_PRIOR**2
+    square = square + np.eye(len(square)) / OPTIONS.prior**2
 
     def explained(chosen: Sequence[Column]) -> tuple[float, Array]:
         rows = np.concatenate([where[column] for column in chosen])
@@ -127,13 +131,13 @@ def _beam(place: Place, own: Sequence[Column], numbers: Array, slopes: Array, sq
 
     found: list[Sum] = []
     beam: list[tuple[Column, ...]] = [()]
-    for _ in range(MOST_TERMS):
+    for _ in range(budget.law_terms):
         longer = {frozenset((*chosen, c)): (*chosen, c) for chosen in beam for c in own if _apart(c, chosen)}
         ranked = sorted(longer.values(), key=lambda chosen: -explained(chosen)[0])
         beam, forms = [], set[frozenset[str]]()
         for chosen in ranked:  # one shape of a form is enough: fits find the others
             form = frozenset(column.term.name for column in chosen)
-            if form not in forms and len(beam) < BEAM:
+            if form not in forms and len(beam) < budget.law_beam:
                 forms.add(form)
                 beam.append(chosen)
                 found.append(_sum(place, chosen, *explained(chosen)))
@@ -169,20 +173,21 @@ def fitted(model: Linearisation, ranked: Sequence[Sequence[Sum]], before: float,
     Args:
         before: gap in training.
     """
-    least = MAIN_SHARE * max((s.share for at_place in ranked for s in at_place), default=0.0)
-    for at_place in [one for one in ranked if max(s.share for s in one) >= least][:PLACES]:
+    budget, share = model.budget, model.criteria.main_share
+    least = share * max((s.share for at_place in ranked for s in at_place), default=0.0)
+    for at_place in [one for one in ranked if max(s.share for s in one) >= least][: budget.law_places]:
         shorter = np.inf  # mean square above noise that sums promise to leave
-        for size in range(1, MOST_TERMS + 1):
+        for size in range(1, budget.law_terms + 1):
             own = [s for s in at_place if len(s.terms) == size]
             left = min(((1 - s.share) * before**2 - 1 for s in own), default=np.inf)
             if left > (1 - model.criteria.required_gain) * shorter:
                 continue
             found, shorter = [], left
-            for one in own[:FITTED]:
+            for one in own[: budget.law_forms]:
                 if clock.over(f"{' + '.join(t.name for t in one.terms)} on {one.place.acts_on}"):
                     return
                 found.append(fit_law(model, one, clock))
-            yield from found
+                yield found[-1]
             if any(max(law.scored.gaps) <= model.criteria.explained_gap for law in found):
                 break
 
@@ -193,8 +198,3 @@ def fit_law(model: Linearisation, one: Sum, clock: Clock) -> FoundLaw:
     inside = {name: float(np.clip(v, *kind.parameters(one.place.site)[name].bounds)) for name, v in one.values.items()}
     scored = score(model, fit(model, Candidate((kind(one.place.site, **inside),)), clock=clock))
     return FoundLaw(one.place, one.terms, scored)
-
-
-def replaced(found: FoundLaw, scored: Scored) -> FoundLaw:
-    """The same law, fitted better."""
-    return replace(found, scored=scored)

@@ -84,6 +84,12 @@ def test_cogging_comes_back_as_a_ripple(tmp_path: Path, capsys: pytest.CaptureFi
     assert [effect["id"] for effect in again["effects"]] == ["cogging"], again["sentence"]
 
 
+def test_without_time_it_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    found = json.loads(run([*measured(tmp_path, AMPLITUDE), "--time", "0", "--json", "-"], capsys))
+    assert found["verdict"] == "none" and found["skipped"] and not found["complete"]
+    assert "no time to fit a law" in found["sentence"]
+
+
 def test_noise_alone_is_nothing_to_discover(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     found = json.loads(run([*measured(tmp_path, 0.0), "--json", "-"], capsys))
     assert found["verdict"] == "none" and found["law"] is None and "nothing to discover" in found["sentence"]

@@ -97,7 +97,7 @@ def over_time(found: Discovery, rows: list[Missing]) -> Markup:
 def front(found: Discovery) -> Markup:
     """The held-out gap that laws of one, two, ... terms leave."""
     laws = list(found.front)
-    before = float(np.sqrt(np.mean(found.nominal[found.model.data.held_out] ** 2)))
+    before = float(np.sqrt(np.mean(found.as_built[found.model.data.held_out] ** 2)))
     left = np.array([before, *(law.held_out for law in laws)])
 
     def paint(figure: Figure) -> None:
