@@ -45,8 +45,8 @@ class Criteria:
     shadow: float = number(
         0.65,
         "share",
-        "of causes that leave a gap and surely close half, that stand for others: 15 of 20 of opened seeds, less at the "
-        "share that `outside` believes; of MJCF machines, whose floor is never reached, by judgement",
+        "of causes that leave a gap and surely close half, that stand for others: 15 of 20 of opened seeds, weighed by "
+        "`outside`; of MJCF machines, whose floor is never reached, by judgement",
     )
     main_share: float = number(0.5, "share of gap", "that a law must surely close: what closes less is not its cause")
     named_probability: float = number(0.5, "probability", "from which a cause is named although it leaves a gap")
