@@ -71,7 +71,7 @@ DRIVE = (
     _ripple("position", "{F}", "{x}"),
     _term("memory", "lagged(time, speed, tau)", "{F} s/{x}", TAU),
     _term("dry_memory", f"lagged(time, {DRY}, tau)", "{F}", TAU),
-    _term("after_stop", f"lagged(time, {DRY}, tau) * (1 - abs({DRY}))", "{F}", TAU),
+    _term("after_stop", f"fading(time, {DRY}, tau)", "{F}", TAU),
 )
 """Of what drives: a cylinder, or the joint of any machine."""
 CYLINDER = (*DRIVE, _term("load_angle", "load * angle", "1/rad"))

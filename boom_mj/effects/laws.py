@@ -13,6 +13,7 @@ import mujoco
 import numpy as np
 
 from boom_mj.effects.base import Array, Effect
+from boom_mj.effects.filters import fading as fading
 from boom_mj.effects.filters import lagged as lagged
 from boom_mj.effects.kinds import (
     INVERSIONS,

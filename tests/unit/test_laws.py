@@ -141,3 +141,14 @@ def test_a_law_must_be_named_as_no_other(tmp_path: Path) -> None:
     file.write_text(LAW.format(name="pressure_scale"))
     with pytest.raises(EffectError, match="two effects are called pressure_scale"):
         load_effects(file)
+
+
+def test_what_fades_begins_whole_at_each_stop_and_knows_its_direction():
+    time = np.arange(0.0, 6.0, 0.01)
+    speed = np.select([(time >= 1) & (time < 2), (time >= 4) & (time < 5)], [1.0, -1.0], 0.0)
+    said = laws.fading(time, laws.direction(speed, 1e-3), 0.5)
+    assert not said[time < 2 - 0.005].any()
+    assert not said[(time >= 4) & (time < 5 - 0.005)].any()
+    rest = (time >= 2) & (time < 4 - 0.005)
+    np.testing.assert_allclose(said[rest], np.exp(-(time[rest] - 1.99) / 0.5))
+    assert said[time > 5][0] == pytest.approx(-1, abs=0.03)
