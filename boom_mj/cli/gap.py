@@ -17,6 +17,7 @@ from boom_mj.cli.arguments import (
     EffectFiles,
     LogsMachine,
     ModelFile,
+    Most,
     Seconds,
     output_folder,
     output_path,
@@ -143,10 +144,7 @@ def diagnose(
         list[Path] | None,
         typer.Option(metavar="LOGS...", help="Logs of the machine when it was well: what changed since is diagnosed."),
     ] = None,
-    most: Annotated[
-        int | None,
-        typer.Option(min=1, metavar="N", help="Most causes of an explanation; what suits the machine if left out."),
-    ] = None,
+    most: Most = None,
     seconds: Seconds = None,
     strict: Annotated[
         bool, typer.Option("--strict", help="Refuse logs with which anything is wrong, instead of using what is sound.")
