@@ -85,7 +85,7 @@ def model_of(training: int) -> Linearisation:
         level=found.system.facts.fidelity.coarse,
         base=np.nan_to_num(data.measured),
         mean_error=none,
-        posterior=LinearPosterior(noise, np.zeros((len(none), len(nuisances)))),
+        posterior=LinearPosterior.of(noise, np.zeros((len(none), len(nuisances)))),
         nuisances=nuisances,
         all_nuisances=nuisances,
         criteria=CRITERIA,
