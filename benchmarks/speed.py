@@ -201,7 +201,8 @@ def main() -> None:
     ]
     filled = {
         "times": [
-            f"| {name} | {cost:.2f} | {cost / loop:.2f} | {EXPERIMENT.duration / cost:.3g} |" for name, cost in times
+            f"| {name} | {cost:.2f} | {cost / loop:.2f} | {float(f'{EXPERIMENT.duration / cost:.3g}'):g} |"
+            for name, cost in times
         ],
         "loops": [f"| {n} | {w:.2f} | {b:.2f} | {w / b:.2f} |" for n, (w, b) in loops.items()],
         "stages": [f"| {name} | {cost:.2f} |" for name, cost in parts],
