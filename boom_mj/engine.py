@@ -2,8 +2,13 @@
 
 MuJoCo refuses to be imported while MUJOCO_GL names no way to draw, or one whose library is missing, even where nothing
 is drawn. Here it is imported without the variable then; who draws refuses (`cameras.studio`).
+
+Its bindings give it a clock that it reads at the start and the end of every stage of every step, a twelfth of the time
+of a boom of two hinges, for statistics that nobody here reads. It goes before the first step: a thread that steps may
+be about to call it.
 """
 
+import ctypes
 import os
 
 import numpy as np
@@ -19,6 +24,8 @@ except Exception:  # of several types, by what is missing
     import mujoco as mujoco
 
     os.environ[NAME] = _given
+
+ctypes.c_void_p.in_dll(ctypes.CDLL(mujoco._functions.__file__), "mjcb_time").value = None
 
 
 def mass_matrix(model: "mujoco.MjModel") -> np.ndarray:
