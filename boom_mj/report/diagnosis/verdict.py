@@ -22,10 +22,9 @@ from boom_mj.report.words import (
     spoken,
 )
 
-
 NEXT = {
     "consistent": "Nothing: the machine does what the simulation says.",
-    "explained": "Look at the machine where the effect lies, and simulate with the corrected file, gap diagnose -o FILE.",
+    "explained": "Look at the machine where the effect lies, and simulate with the file of gap diagnose -o FILE.",
     "ambiguous": "Record an experiment that tells the explanations apart, and diagnose with it.",
     "partial": "Look at the machine where the effects lie, then at what is left, below.",
     "unexplained": "See where it lies and what is left, below; gap discover looks for a law that no library has.",
@@ -116,7 +115,8 @@ def offsets(view: View) -> list[str]:
         for name, value in effect.values.items() if effect.id == view.facts.wording.zero_offset else ():
             unit = effect.declared[name].unit
             size = f"{np.degrees(value):+.2f}°" if unit == "rad" else f"{value:+.2g} {unit}"
-            place = " and ".join(f"{k}{SPACE}{v}" for k, v in effect.location.items()) or name.replace("joint", f"joint{SPACE}")
+            place = " and ".join(f"{k}{SPACE}{v}" for k, v in effect.location.items())
+            place = place or name.replace("joint", f"joint{SPACE}")
             found.append(f"{place} {size.replace('-', MINUS)}")
     return found
 
