@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from test_docs import words
 from test_tour import missing
 
 ROOT = Path(__file__).parents[2]
@@ -61,3 +62,8 @@ def test_notebooks_hold_outputs_and_nothing_that_changes(path: Path) -> None:
     assert any("image/png" in output.get("data", ()) for cell in cells for output in cell["outputs"])
     assert sum(bool(printed(cell)) for cell in cells) >= 1
     assert len(text) < 150_000 and all(cell["metadata"] == {} for cell in read(path))
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_notebooks_speak_the_words_of_the_field(path: Path) -> None:
+    assert words("\n".join("".join(cell["source"]) for cell in read(path) if cell["cell_type"] == "markdown")) == set()
