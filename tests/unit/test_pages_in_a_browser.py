@@ -59,6 +59,9 @@ function measure(frame, width) {
     pale: shown.filter(node => !node.closest("[style]") && contrast(view, node) < READABLE).map(said),
     dark: luminance(ground(view, doc.body)) < .1, sections: doc.querySelectorAll("section").length,
     fetched: view.performance.getEntriesByType("resource").map(entry => entry.name),
+    scale: Math.min(...[...doc.querySelectorAll(".drawing svg")].map(
+      node => node.getBoundingClientRect().width / node.viewBox.baseVal.width)),
+    tall: Math.max(...[...doc.querySelectorAll("tr")].map(node => node.getBoundingClientRect().height)),
     drawn: [...doc.querySelectorAll("svg")].every(node => node.getBoundingClientRect().height > 5),
   };
 }
@@ -121,6 +124,8 @@ def test_pages_fit_are_readable_and_fetch_nothing(scheme: str, folder: Path) -> 
             "pale": [],
             "fetched": [],
         }, name
+        assert one["tall"] < 160, f"{name}: a row of a table is squeezed"
+        assert one["scale"] > 0.75, f"{name}: letters of pictures are too small"
         assert one["dark"] == (scheme == "dark") and one["sections"] >= 6 and one["drawn"], name
 
 
