@@ -31,7 +31,7 @@ def reasons(found: Diagnosis) -> Reasons:
 
 
 def _unit(effect: Effect, name: str) -> str:
-    return f" {effect.declared[name].unit}".removesuffix(" 1")
+    return f" {effect.declared[name].unit}".removesuffix(" 1").rstrip()
 
 
 def _neutral(effect: Effect, name: str) -> str:

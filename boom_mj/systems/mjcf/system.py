@@ -131,10 +131,9 @@ class MjcfSystem:
                 if isinstance(effect, ModelEffect):
                     effect.edit(spec, None)
                 missing = "" if isinstance(effect, ModelEffect) else ", not in the model"
-                said = (
-                    f"; {name}: {reasons[effect, name]}" for name in ("id", *effect.values) if (effect, name) in reasons
-                )
-                why.append(f"<!-- {kind}{missing}: {effect}{''.join(said)} -->\n")
+                said = [f"; {name}: {reasons[effect, name]}" for name in effect.values if (effect, name) in reasons]
+                whole = reasons.get((effect, "id"), kind)
+                why.append(f"<!-- {whole}{missing}: {effect}{''.join(said)} -->\n")
         spec.compile()
         return spec.to_xml() + "".join(why)
 
