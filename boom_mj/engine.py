@@ -10,6 +10,8 @@ be about to call it.
 
 import ctypes
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 
@@ -39,3 +41,13 @@ def mass_matrix(model: "mujoco.MjModel") -> np.ndarray:
 def keep_no_log() -> None:
     """Let MuJoCo's warnings be: it writes them into a file where one works; ours name the joint."""
     mujoco.set_mju_user_warning(lambda text: None)
+
+
+@contextmanager
+def no_log() -> Iterator[None]:
+    """The same for a while; afterwards MuJoCo warns as it does by itself."""
+    keep_no_log()
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(None)

@@ -155,7 +155,7 @@ def diagnose(
 
     Example: python -m boom_mj gap diagnose a.mcap b.mcap --holdout c.mcap --html gap.html -o corrected.toml
     """
-    from boom_mj.diagnosis import Diagnosis, built_with, causes, channel_steps, document
+    from boom_mj.diagnosis import Diagnosis, built_with, causes, channel_steps, document, reasons
     from boom_mj.diagnosis import diagnose as find
     from boom_mj.diagnosis.clock import Clock
     from boom_mj.effects import effect_library
@@ -191,7 +191,7 @@ def diagnose(
     if table is not None:
         write_text(table, text)
     if output is not None and isinstance(system, Corrects):
-        write_text(output, system.corrected(causes(found), built_with(found) if nuisances else ()))
+        write_text(output, system.corrected(causes(found), built_with(found) if nuisances else (), reasons(found)))
     if predictions is not None:
         with locked(predictions):
             _write_predictions(found, predictions, paths if channels else list(map(Path, names)))
