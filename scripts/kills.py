@@ -86,6 +86,7 @@ def main() -> int:
     parser.add_argument("--only", nargs="*", default=(), help="jobs")
     parser.add_argument("--commit", default="", help="whose id the moments follow from; HEAD if left out")
     given = parser.parse_args()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # calls of a job in the background would ignore it
     commit = given.commit or subprocess.check_output(["git", "rev-parse", "HEAD"], cwd=ROOT, text=True).strip()
     rows = [json.loads(line) for line in given.keep.read_text().splitlines()] if given.keep.exists() else []
     done = {row["number"] for row in rows}
