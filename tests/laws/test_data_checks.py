@@ -15,6 +15,7 @@ from boom_mj.machine import load_machine
 from boom_mj.recording import Recording, Signal
 from boom_mj.replay.quality import Action, check_channels, check_recordings
 from boom_mj.replay.quality.check import Check, all_checks
+from boom_mj.replay.quality.kinds.states import groups_of
 from boom_mj.sensors import record
 from boom_mj.simulation import CATALOGUE, make_plant, run_experiment
 
@@ -95,9 +96,31 @@ def test_what_is_repaired_is_found_no_more() -> None:
     assert found_in(list(checked.recordings)) == set()
 
 
-def test_two_states_of_the_machine() -> None:
+def test_logs_of_another_state_are_left_out_together_with_the_call_that_diagnoses_them() -> None:
     logs = [*simulated(*OFFSETS)[:TRAINING], *simulated(*OFFSETS, "tip_payload:mass=60")[TRAINING:]]
-    assert ("state", "") in found_in(logs)
+    checked = check_recordings(MACHINE, logs, TRAINING, [f"{k}.mcap" for k in range(4)])
+    told = {f.log: f for f in checked.findings if f.kind == "state"}
+    assert set(told) == {"2.mcap", "3.mcap"} and checked.kept == (0, 1) and checked.training == TRAINING
+    assert all(f.action is Action.LEFT_OUT and "gap diagnose 2.mcap 3.mcap" in f.sentence for f in told.values())
+    assert "than 0.mcap: in the same pose" in told["3.mcap"].sentence
+    assert "with 3.mcap" in told["2.mcap"].sentence  # in a pose that no other log shows
+    with pytest.raises(LogError, match="gap diagnose 2"):
+        checked.refuse(all_of_them=True)
+
+
+@pytest.mark.parametrize(
+    ("apart", "groups"),
+    [
+        ({}, [(0, 1, 2, 3)]),
+        ({(0, 2): 2.0, (1, 3): 2.0}, [(0, 1, 2, 3)]),
+        ({(0, 1): 2.0, (0, 2): 9.0, (2, 3): 2.0}, [(0, 1), (2, 3)]),
+        ({(0, 1): 9.0, (1, 2): 2.0}, [(1, 2, 3), (0,)]),  # as many train: the larger one
+        ({(0, 1): 2.0, (0, 2): 9.0}, [(0, 1), (2, 3)]),  # 3 tells nothing and is with the other one held out
+        ({(0, 2): 9.0, (0, 3): 9.0, (2, 3): 9.0}, [(0, 1), (2,), (3,)]),
+    ],
+)
+def test_which_logs_belong_together(apart: dict, groups: list) -> None:
+    assert groups_of(range(4), 2, {frozenset(pair): far for pair, far in apart.items()}) == groups
 
 
 def test_nothing_moves() -> None:
