@@ -277,7 +277,9 @@ def ended(status: int | None, told: str, fault: str) -> str:
         return "done"
     if status == -signal.SIGKILL and fault == "kill -9":
         return "killed"
-    clear = status == 1 and "Traceback" not in told and any(line.startswith("error: ") for line in told.splitlines())
+    clear = (
+        status in (1, 2) and "Traceback" not in told and any(line.startswith("error: ") for line in told.splitlines())
+    )
     return "error" if clear else "crash"
 
 

@@ -123,6 +123,30 @@ def test_which_logs_belong_together(apart: dict, groups: list) -> None:
     assert groups_of(range(4), 2, {frozenset(pair): far for pair, far in apart.items()}) == groups
 
 
+def test_a_joint_zeroed_anew_is_mended_in_logs_that_cannot_be_compared_if_all_others_of_their_part_were() -> None:
+    rng = np.random.default_rng(3)
+    names = ("release_bow_vertical", "slew_t", "fold_in", "mixed", "release_bow_horizontal")
+    plant = make_plant(MACHINE, 1)
+    logs = [record(run_experiment(plant, CATALOGUE[name]), CATALOGUE[name], rng) for name in names]
+
+    def anew(which: tuple[int, ...]) -> list[str]:
+        done = [_turned(log, 2, 0.007) if k in which else log for k, log in enumerate(logs)]
+        found = check_recordings(MACHINE, done, 2, list("01234")).findings
+        return [f.log for f in found if f.kind == "zero offset" and f.channel.endswith("joint3")]
+
+    assert anew(()) == []
+    assert anew((2, 3, 4)) == ["2", "3", "4"]  # no log but the fourth is at its angles
+    assert anew((2, 3)) == ["2"]  # one held out is as it was: nothing is known of the fourth
+    assert anew((4,)) == ["4"]
+
+
+def _turned(log: Recording, column: int, shift: float) -> Recording:
+    joints = log["joint/position"]
+    return log.with_signals(
+        {"joint/position": replace(joints, values=joints.values + shift * (np.arange(5) == column))}
+    )
+
+
 def test_nothing_moves() -> None:
     cut = [spoil_logs.replace(log, signals=_first(log, 1.0)) for log in simulated(*OFFSETS)]
     assert {("at rest", ""), ("too short", "")} == found_in(cut)
