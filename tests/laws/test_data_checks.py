@@ -147,6 +147,13 @@ def _turned(log: Recording, column: int, shift: float) -> Recording:
     )
 
 
+def test_a_load_in_another_unit_shows_beside_late_imus_and_markers_in_another_unit_do_not_look_like_it() -> None:
+    late = simulated(*OFFSETS, "clock_offset:stream=imu,delay=0.16")
+    loads = [log.with_signals({"load": replace(log["load"], values=log["load"].values / 1000)}) for log in late]
+    assert found_in(loads) == {("load", "load")}
+    assert found_in([_scaled(log, "markers", [100] * 36) for log in late]) == {("unit", "markers")}
+
+
 def test_nothing_moves() -> None:
     cut = [spoil_logs.replace(log, signals=_first(log, 1.0)) for log in simulated(*OFFSETS)]
     assert {("at rest", ""), ("too short", "")} == found_in(cut)
