@@ -65,7 +65,10 @@ INTERRUPTED = 130  # what typer makes of Ctrl-C
 def main() -> None:
     """Run the command of this process and end with its exit status."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # leave as by Ctrl-C: nothing half-written stays
-    sys.exit(run())
+    status = run()
+    if status == 0:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is done: Ctrl-C is too late to make it fail
+    sys.exit(status)
 
 
 def run(arguments: Sequence[str] | None = None) -> int:
