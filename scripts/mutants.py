@@ -184,6 +184,7 @@ class Watch:
     def __init__(self, wanted: dict[str, set[int]]) -> None:
         self.wanted, self.now, self.reached = wanted, "", {}
         self.seconds: dict[str, float] = {}
+        self.failed: set[str] = set()  # without any mutant: they tell nothing
         self._codes: dict[CodeType, set[int]] = {}
         self._met: set[tuple[str, int]] = set()
 
@@ -191,12 +192,16 @@ class Watch:
         self._close()
         self.now, self.began = item.nodeid, time.monotonic()
 
+    def pytest_runtest_logreport(self, report: Any) -> None:
+        if report.failed:
+            self.failed.add(report.nodeid)
+
     def pytest_sessionfinish(self) -> None:
         self._close()
 
     def _close(self) -> None:
         if self.now:
-            self.reached[self.now] = sorted(self._met)
+            self.reached[self.now] = [] if self.now in self.failed else sorted(self._met)
             self.seconds[self.now] = time.monotonic() - self.began
         self._met = set()
 
@@ -246,7 +251,8 @@ def in_a_fork(folder: Path, seconds: float, work: Callable[[], int]) -> int | No
 def tests_of(names: Sequence[str], *plugins: Any) -> int:
     import pytest
 
-    return int(pytest.main([*names, "-x", "-q", "-p", "no:cacheprovider", "-p", "no:xdist"], list(plugins)))
+    stop = () if plugins else ("-x",)
+    return int(pytest.main([*names, *stop, "-q", "-p", "no:cacheprovider", "-p", "no:xdist"], list(plugins)))
 
 
 def watched(folder: Path, file: str, wanted: dict[str, set[int]]) -> dict[str, Any]:

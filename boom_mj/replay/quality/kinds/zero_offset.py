@@ -22,9 +22,9 @@ class ZeroOffset(Check):
     """Reading less command at rest: where it differs between recordings at the same angle, a sensor was zeroed anew.
 
     The reading is brought back to that of the first training recording, or to its command where it is off by more than
-    any zero offset; so is that of a recording that cannot be compared, if all others of its part, training or held out,
-    were shifted alike. An error that is a function of the angle - a nonlinear sensor - is a cause and no finding, and
-    so is a zero offset of ordinary size that all recordings share.
+    any zero offset. So is that of a recording that cannot be compared, if all others of its part, training or held out,
+    were shifted alike and it is nearer to them than to the rest. An error that is a function of the angle - a nonlinear
+    sensor - is a cause and no finding, and so is a zero offset of ordinary size that all recordings share.
     """
 
     kind = "zero offset"
@@ -36,11 +36,12 @@ class ZeroOffset(Check):
         for column in range(5):
             known: list[tuple[float, float]] = []  # angle, error of rests that are believed
             shifts: dict[int, float] = {}  # of recordings that share an angle with another
+            errors = {k: float(np.median([e[column] for _, e in found] or [0.0])) for k, found in rests.items()}
             for index in evidence.indices:
                 own = [(angle[column], error[column]) for angle, error in rests[index]]
                 apart = [e - k for a, e in own for b, k in known if abs(a - b) < POSE]
                 shift = float(np.median(apart)) if apart else 0.0
-                error = float(np.median([e for _, e in own])) if own else 0.0
+                error = errors[index]
                 if apart or any(abs(a - b[column]) < POSE for a, _ in own for b in _angles(rests, index)):
                     shifts[index] = shift
                 if abs(shift) > ANEW * noise:
@@ -56,9 +57,10 @@ class ZeroOffset(Check):
             for index in set(evidence.indices) - set(shifts):
                 beside = [s for k, s in shifts.items() if (k < evidence.training) == (index < evidence.training)]
                 if beside and min(map(abs, beside)) > ANEW * noise > np.ptp(beside):
-                    shift = float(np.median(beside))
-                    text = f"reads {np.degrees(shift):.3g} deg otherwise in all other logs of its part, at other angles"
-                    yield self._found(evidence, index, column, text, shift)
+                    shift, sound = float(np.median(beside)), float(np.median([errors[k] - shifts[k] for k in shifts]))
+                    if abs(errors[index] - sound - shift) < abs(errors[index] - sound):
+                        text = f"reads {np.degrees(shift):.3g} deg otherwise, as all other logs of its part"
+                        yield self._found(evidence, index, column, text, shift)
 
     def _found(self, evidence: Evidence, index: int, column: int, text: str, shift: float) -> Found:
         joints = evidence.recordings[index][DRIVE]
