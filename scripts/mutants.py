@@ -37,9 +37,9 @@ TESTS = (
     "unit/test_candidate", "unit/test_scoring", "unit/test_linearisation", "unit/test_play_and_rest",
     "unit/test_angle_errors", "laws/test_mjcf", "unit/test_latent_input", "unit/test_screening", "unit/test_passes",
     "unit/test_laws", "unit/test_any_machine_answers", "unit/test_diagnosis_page", "unit/test_known_of_logs",
-    "unit/test_effect_files", "unit/test_blind_answers", "unit/test_deciding", "unit/test_logs_check",
-    "laws/test_systems", "agree/test_effects_at_rest", "laws/test_estimation", "laws/test_effects",
-    "laws/test_data_checks",
+    "unit/test_effect_files", "unit/test_blind_answers", "unit/test_deciding", "golden/test_numbers",
+    "unit/test_logs_check", "laws/test_systems", "agree/test_effects_at_rest", "laws/test_estimation",
+    "laws/test_effects", "laws/test_data_checks",
 )  # fmt: skip
 LONGEST = 90.0  # s of all tests of a mutant
 LONGEST_FILE = 300.0  # s of a file of tests that is watched
@@ -343,6 +343,8 @@ def reach(folder: Path, sample: Sequence[Point], kept: Path) -> Iterator[tuple[s
             for file, line in met:
                 tests.setdefault(f"{file}:{line}", []).append((known[name]["seconds"][test], test))
     imported = [(0.0, "tests/unit/test_decision.py")]  # what runs when a module is imported, all tests reach
+    if "golden/test_numbers" in known:
+        imported.append((0.1, "tests/golden/test_numbers.py"))
     for point in sample:
         path = ROOT / point.file
         inside = any(
@@ -354,7 +356,7 @@ def reach(folder: Path, sample: Sequence[Point], kept: Path) -> Iterator[tuple[s
                 {(s, t) for k, found in tests.items() if k.startswith(f"{point.file}:") for s, t in found}
             )
             files = [(sum(known[n]["seconds"].values()), f"tests/{n}.py") for n in TESTS if n in known]
-            tests[key(point)] = everywhere or sorted(imported + files)
+            tests[key(point)] = everywhere + imported if everywhere else sorted(imported + files)
         yield key(point), sorted(set(tests.get(key(point), [])))
 
 

@@ -154,6 +154,28 @@ def test_a_load_in_another_unit_shows_beside_late_imus_and_markers_in_another_un
     assert found_in([_scaled(log, "markers", [100] * 36) for log in late]) == {("unit", "markers")}
 
 
+def test_noise_that_is_found_is_raised_for_its_log_and_signal() -> None:
+    logs = list(simulated(*OFFSETS))
+    markers, level = logs[1]["markers"], spoil_logs.noise_levels(MACHINE)["markers"]
+    more = np.random.default_rng(2).normal(size=markers.values.shape) * 5 * level
+    logs[1] = logs[1].with_signals({"markers": replace(markers, values=markers.values + more)})
+    checked = check_recordings(MACHINE, logs, TRAINING)
+    assert {f.log for f in checked.findings} == {logs[1].name} and not checked.noise[0]
+    raised = checked.noise[1]["markers"] / level
+    assert raised.min() > 3
+
+
+@pytest.mark.parametrize("pace", [1.003, 0.997])
+def test_a_clock_that_drifts_is_brought_back(pace: float) -> None:
+    logs = simulated(*OFFSETS)
+    names = [name for name in logs[0].signals if name.startswith("imu/link3")]
+    fast = [log.with_signals({n: replace(log[n], time=log[n].time * pace) for n in names}) for log in logs]
+    checked = check_recordings(MACHINE, fast, TRAINING)
+    assert {(f.kind, f.channel) for f in checked.findings} == {("clock", "imu/link3")}
+    for log, mended in zip(logs, checked.recordings, strict=True):
+        assert np.abs(mended[names[0]].time - log[names[0]].time).max() < 0.01
+
+
 def test_nothing_moves() -> None:
     cut = [spoil_logs.replace(log, signals=_first(log, 1.0)) for log in simulated(*OFFSETS)]
     assert {("at rest", ""), ("too short", "")} == found_in(cut)

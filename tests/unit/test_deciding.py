@@ -14,7 +14,9 @@ from boom_mj.diagnosis.criteria import BOOM
 from boom_mj.diagnosis.fitting import Fit, fit
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.scoring import Scored
-from boom_mj.effects import parse_effect
+from boom_mj.effects import Site, effect_library, parse_effect
+from boom_mj.effects.filters import lagged
+from boom_mj.effects.library.wind import CORRELATION_S
 from boom_mj.errors import LogWarning
 from boom_mj.estimation import dataset
 from boom_mj.estimation.bootstrap import resampled_means, worse_by
@@ -183,3 +185,36 @@ def test_a_fit_of_what_is_linear_ends_where_least_squares_do(model: Linearisatio
 
     found = fit(Straight(), candidate, enough=1e-9)
     assert found.scaled == pytest.approx(wanted, rel=1e-3)
+
+
+def test_friction_in_proportion_to_a_load_is_a_share_of_it_against_the_motion() -> None:
+    effect = effect_library()["load_friction"](Site(), share=0.2)
+    resisted = effect.resist(np.array([0.0, 1.0, -1.0]), np.array([50.0, -100.0, 100.0]))
+    assert resisted == pytest.approx([0.0, 20.0, -20.0])
+
+
+def test_a_low_pass_takes_its_time_constant_whenever_a_log_begins() -> None:
+    time = 5.0 + np.arange(2001) / 1000
+    passed = lagged(time, np.where(time > 5.0, 1.0, 0.0), 0.2)
+    assert passed[200] == pytest.approx(1 - np.exp(-1), abs=5e-3) and passed[-1] == pytest.approx(1.0, abs=1e-4)
+
+
+def test_gusts_vary_about_the_mean_by_their_strength_and_slowly() -> None:
+    wind, time = parse_effect("wind:mean_speed=5,direction=0,gust_strength=0.2"), 3.0 + np.arange(200_000) / 100
+    gusts = wind._gusts(time)
+    assert gusts.mean() == pytest.approx(1.0, abs=0.1) and gusts.std() == pytest.approx(0.2, rel=0.15)
+    about = gusts - gusts.mean()
+    alike = (about[100:] * about[:-100]).mean() / (about**2).mean()
+    assert alike == pytest.approx(np.exp(-1 / CORRELATION_S), abs=0.05)  # 1 s later
+
+
+def test_a_structural_slider_is_a_spring_that_yields_at_its_torque() -> None:
+    from boom_mj.machine import load_machine
+    from boom_mj.mjcf import build
+
+    machine = load_machine("boom36")
+    effect = parse_effect("structural_hysteresis:joint=3,stiffness=1e6,slip_torque=2e3")
+    spec = build(machine).spec
+    effect.edit(spec, machine)
+    (tendon,) = [t for t in spec.tendons if t.name == "slider3"]
+    assert tendon.stiffness[0] == 1e6
