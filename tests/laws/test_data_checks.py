@@ -154,6 +154,18 @@ def test_a_load_in_another_unit_shows_beside_late_imus_and_markers_in_another_un
     assert found_in([_scaled(log, "markers", [100] * 36) for log in late]) == {("unit", "markers")}
 
 
+def test_a_load_that_is_turned_or_not_logged() -> None:
+    logs = simulated(*OFFSETS)
+    turned = [log.with_signals({"load": replace(log["load"], values=-log["load"].values)}) for log in logs]
+    told = check_recordings(MACHINE, turned, TRAINING).findings
+    assert {(f.kind, f.repair.line) for f in told} == {("load", 'signal = "load": sign = -1')}
+    checked = check_recordings(MACHINE, [spoil_logs.without(log, "load") for log in logs], TRAINING)
+    assert {f.log for f in checked.findings} == {log.name for log in logs if log.name.startswith("release")}
+    assert all("as if a rope had been cut" in f.sentence and f.action is Action.LEFT_OUT for f in checked.findings)
+    still = [spoil_logs.without(log, "load") for log in logs if not log.name.startswith("release")]
+    assert check_recordings(MACHINE, still, 1).findings == ()
+
+
 def test_noise_that_is_found_is_raised_for_its_log_and_signal() -> None:
     logs = list(simulated(*OFFSETS))
     markers, level = logs[1]["markers"], spoil_logs.noise_levels(MACHINE)["markers"]
