@@ -162,6 +162,9 @@ def test_a_load_that_is_turned_or_not_logged() -> None:
     checked = check_recordings(MACHINE, [spoil_logs.without(log, "load") for log in logs], TRAINING)
     assert {f.log for f in checked.findings} == {log.name for log in logs if log.name.startswith("release")}
     assert all("as if a rope had been cut" in f.sentence and f.action is Action.LEFT_OUT for f in checked.findings)
+    force = logs[0]["load"]
+    one = [logs[0].with_signals({"load": replace(force, values=force.values / 1000)}), *logs[1:]]
+    assert [f.log for f in check_recordings(MACHINE, one, TRAINING).findings] == [logs[0].name]
     still = [spoil_logs.without(log, "load") for log in logs if not log.name.startswith("release")]
     assert check_recordings(MACHINE, still, 1).findings == ()
 

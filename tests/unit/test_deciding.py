@@ -23,6 +23,7 @@ from boom_mj.estimation.bootstrap import resampled_means, worse_by
 from boom_mj.estimation.intervals import robust_variance
 from boom_mj.estimation.noise import OPTIONS, _carried
 from boom_mj.recording import Recording, named_signal
+from boom_mj.replay.quality.edits import blanked
 from boom_mj.systems.boom import BoomSystem
 
 MODEL = SimpleNamespace(criteria=BOOM)
@@ -218,3 +219,24 @@ def test_a_structural_slider_is_a_spring_that_yields_at_its_torque() -> None:
     effect.edit(spec, machine)
     (tendon,) = [t for t in spec.tendons if t.name == "slider3"]
     assert tendon.stiffness[0] == 1e6
+
+
+def test_a_table_takes_means_channel_by_channel() -> None:
+    channels = tuple(SimpleNamespace(blocks=np.array(blocks)) for blocks in ([0, 2], [1]))
+    table = dataset.Table(None, channels, 0.0, np.arange(3.0), np.zeros((3, 2)), np.ones((3, 2)))
+    mean = table.saying(np.array([1.0, 2.0, 3.0])).mean
+    assert (mean[0, 0], mean[2, 0], mean[1, 1]) == (1.0, 2.0, 3.0) and np.isnan(mean).sum() == 3
+
+
+def test_nothing_is_left_of_a_prediction_that_is_what_was_measured_but_for_the_models_error(
+    model: Linearisation,
+) -> None:
+    assert np.abs(model.residual(model.data.measured - model.mean_error)).max() < 1e-6
+
+
+def test_joint_angles_without_commands_are_bridged_straight() -> None:
+    time = np.arange(11) / 10
+    angles = np.where(np.arange(11)[:, None] == 5, 9.0, np.arange(11.0)[:, None] * np.ones(5))
+    log = Recording("a", "boom36", "", {"joint/position": named_signal("joint/position", time, angles)})
+    bridged = blanked("joint/position", np.arange(11)[:, None] == np.full(5, 5))(log)["joint/position"].values
+    assert bridged == pytest.approx(np.arange(11.0)[:, None] * np.ones(5))
