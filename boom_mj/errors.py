@@ -93,6 +93,17 @@ def shown(value: Any) -> str:
     return short.repr(value)
 
 
+NO_MEMORY = (  # what libraries say that find none; MuJoCo both of the first two
+    "could not allocate memory", "caught an unknown exception", "cannot allocate memory", "can't start new thread",
+    "failed to map segment",
+)  # fmt: skip
+
+
+def lacks_memory(error: BaseException) -> bool:
+    """Whether memory had an end, whatever the library calls it that came upon it."""
+    return isinstance(error, MemoryError) or any(words in str(error).lower() for words in NO_MEMORY)
+
+
 @contextmanager
 def numbers_of(subject: str, refuse: type[BoomError]) -> Iterator[None]:
     """What numerics make of numbers that pass one by one but not together is the fault of their owner.

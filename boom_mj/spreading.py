@@ -92,9 +92,10 @@ def _in_processes(work: Callable[[Item], Result], items: Iterable[Item], jobs: i
     running: dict[Future[Result], tuple[Item, int, ProcessPoolExecutor]] = {}
 
     def begin(item: Item, deaths: int = 0, pool: ProcessPoolExecutor | None = None) -> None:
-        pool = pool or ProcessPoolExecutor(1, context, _prepare, (packed,))
+        new = pool is None
+        pool = pool or ProcessPoolExecutor(1, context, begin_worker)
         try:
-            running[pool.submit(_do, item)] = item, deaths, pool
+            running[pool.submit(_do, item, packed if new else None)] = item, deaths, pool
         except BrokenProcessPool:  # it died between two items
             begin(item, deaths)
 
@@ -236,15 +237,11 @@ def _call_of(plugin: str, item: Any) -> Any:
     return _call(worker.plugins[plugin].work, item)
 
 
-_work: list[Any] = []  # of this process: packed, and from its first item on unpacked
+_work: list[Any] = []  # of this process
 
 
-def _prepare(packed: bytes) -> None:
-    _work.append(packed)
-    begin_worker()
-
-
-def _do(item: Any) -> Any:
-    if isinstance(_work[0], bytes):
-        _work[0] = pickle.loads(_work[0])
+def _do(item: Any, packed: bytes | None) -> Any:
+    """An item in a process, whose first one brings the work: what starts it would wait for one that died for ever."""
+    if packed is not None:
+        _work[:] = [pickle.loads(packed)]
     return _call(_work[0], item)

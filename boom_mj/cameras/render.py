@@ -7,7 +7,7 @@ from boom_mj.cameras.dataset import Dataset, claim_folder
 from boom_mj.cameras.describe import write_plates
 from boom_mj.cameras.film import Film
 from boom_mj.cameras.formats import write_bop, write_coco, write_nerfstudio
-from boom_mj.cameras.shooting import Frame, Look, render_boards, render_frames
+from boom_mj.cameras.shooting import Frame, Look, missing_frames, render_boards, render_frames
 from boom_mj.errors import DatasetError
 from boom_mj.files import locked
 
@@ -56,6 +56,7 @@ def _fill(
     jobs: int,
     cluster: str | None,
 ) -> None:
+    report("frames", len(frames) - len(missing_frames(frames, folder)), len(frames))
     write_plates(film, folder)
     boards: dict[str, list[Path]] = {}
     for picture in dataset.calibration:

@@ -121,6 +121,11 @@ def shoot(studio: Studio, frame: Frame, look: Look, folder: Path) -> None:
     write_json(folder / frame.place("labels", ".json"), {**known, **found})
 
 
+def missing_frames(frames: list[Frame], folder: Path) -> list[Frame]:
+    """Those that have no label in a folder."""
+    return [frame for frame in frames if not (folder / frame.place("labels", ".json")).is_file()]
+
+
 def render_frames(
     film: Film, frames: list[Frame], look: Look, folder: Path, report: Report, jobs: int = 1, cluster: str | None = None
 ) -> None:
@@ -131,7 +136,7 @@ def render_frames(
         OutputError: a full disk.
         WorkerError: frames that no process survives, when all others are done. What is done stays.
     """
-    missing = [frame for frame in frames if not (folder / frame.place("labels", ".json")).is_file()]
+    missing = missing_frames(frames, folder)
     batches = [Batch(tuple(missing[k : k + BATCH])) for k in range(0, len(missing), BATCH)]
     done = len(frames) - len(missing)
     report(done, len(frames))

@@ -4,6 +4,7 @@ What commands work with is imported inside them, so that help, version and compl
 """
 
 import contextlib
+import errno
 import io
 import os
 import signal
@@ -17,7 +18,7 @@ import typer
 from boom_mj.cli import calibrate, gap, generate, logs, render, replay, schema, simulate, track, validate, view
 from boom_mj.cli.arguments import printable
 from boom_mj.cli.many_logs import ManyLogs
-from boom_mj.errors import BoomError, InputError, LogWarning
+from boom_mj.errors import BoomError, InputError, LogWarning, lacks_memory
 
 QUIET = "--quiet"
 AT_ONCE = {"--help", "--version", "--show-completion", "--install-completion"}  # need no MuJoCo
@@ -64,7 +65,10 @@ INTERRUPTED = 130  # what typer makes of Ctrl-C
 def main() -> None:
     """Run the command of this process and end with its exit status."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # leave as by Ctrl-C: nothing half-written stays
-    sys.exit(run())
+    status = run()
+    if status == 0:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is done: Ctrl-C is too late to make it fail
+    sys.exit(status)
 
 
 def run(arguments: Sequence[str] | None = None) -> int:
@@ -99,12 +103,16 @@ def run(arguments: Sequence[str] | None = None) -> int:
         return _failed(str(error), 2 if isinstance(error, InputError) else 1)
     except KeyboardInterrupt:
         return _failed("interrupted")
-    except MemoryError:
-        return _failed("there is not enough memory for this")
     except OSError as error:
+        if error.errno == errno.ENOMEM:
+            return _failed("there is not enough memory for this")
         if error.filename is None:  # the disk that stdout goes to is full
             sys.stdout = open(os.devnull, "w")  # noqa: SIM115
         return _failed(f"{error.filename or 'stdout'} cannot be used: {error.strerror or error}")
+    except Exception as error:
+        if not lacks_memory(error):
+            raise
+        return _failed("there is not enough memory for this")
     return 0
 
 

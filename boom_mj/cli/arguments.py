@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from boom_mj.errors import InputError, MachineFileError, SimulationError
-from boom_mj.files import read_text, sweep, write_text
+from boom_mj.files import read_json, read_text, sweep, write_text
 
 if TYPE_CHECKING:
     from boom_mj.machine import Beam, Machine
@@ -141,6 +141,15 @@ def stopwatch() -> Callable[[str], None]:
         print(f"{time.perf_counter() - began:6.1f} s  {line}", file=sys.stderr)
 
     return tell
+
+
+def begins_afresh(table: Path | None = None) -> str:
+    """What work says that begins anew in every call; of a best so far that a stopped call left in a table, too."""
+    try:
+        so_far = table is not None and table.is_file() and read_json(table, InputError).get("complete") is False
+    except (InputError, AttributeError):
+        so_far = False
+    return "begins afresh" + (f"; {table} holds what a call that was stopped had found" if so_far else "")
 
 
 @contextmanager

@@ -97,7 +97,7 @@ def run(
     waiting, count = waiting_cases(folder, answers)
     machine = read_text(folder / "machine.toml", MachineFileError)
     done, failed = count - len(waiting), []
-    with progress() as report:
+    with progress("answers") as report:
         report("answers", done, count)
         for case, error in answer_cases(waiting, machine, answers, jobs, cluster, most):
             done += 1

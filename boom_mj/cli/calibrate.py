@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from boom_mj.cli.arguments import MachineFile, find_machine, machine_text, output_path
+from boom_mj.cli.arguments import MachineFile, begins_afresh, find_machine, machine_text, output_path
 from boom_mj.errors import InputError
 from boom_mj.files import write_text
 
@@ -74,6 +74,7 @@ def command(
     def tell(line: str) -> None:
         print(f"{time.perf_counter() - began:6.1f} s  {line}", file=sys.stderr, flush=True)
 
+    tell(begins_afresh())
     kinds, names = tuple(free or USUAL), [str(path) for path in logs]
     if plan:
         proposed = plan_next(boom, recordings, kinds, tell=tell)
@@ -84,14 +85,16 @@ def command(
     found = calibrate(boom, recordings, kinds, tell=tell)
     shown = validate(found, unseen)
     answer = {**document(found, names), "validation": validation_document(shown)}
-    _write(as_json, answer)
-    if output is not None:
-        write_text(output, calibrated_text(machine_text(machine), found))
-    if html is not None:
-        from boom_mj.report import write_calibration
+    try:
+        _write(as_json, answer)
+        if output is not None:
+            write_text(output, calibrated_text(machine_text(machine), found))
+        if html is not None:
+            from boom_mj.report import write_calibration
 
-        write_calibration(shown, names, html)
-    print(json.dumps(answer, indent=1) if as_json == "-" else _summary(answer))
+            write_calibration(shown, names, html)
+    finally:  # a full disk does not cost the answer
+        print(json.dumps(answer, indent=1) if as_json == "-" else _summary(answer))
 
 
 def _write(path: str | None, answer: dict[str, Any]) -> None:

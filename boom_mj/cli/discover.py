@@ -71,17 +71,19 @@ def command(
     found = discover(Predictor(given.system, given.data), tuple(without or ()), Clock(seconds, tell))
     answer = document(found, given.names, given.findings)
     text = json.dumps(answer, indent=1)
-    if table is not None:
-        write_text(table, text)
-    if html is not None:
-        from boom_mj.report import write_discovery
+    try:
+        if table is not None:
+            write_text(table, text)
+        if html is not None:
+            from boom_mj.report import write_discovery
 
-        write_discovery(found, given.names, html, given.findings)
-    if output is not None and found.verdict == "law":
-        write_text(output, law_file(found, output.stem))
-    elif output is not None:
-        tell(f"{output} is not written: there is no law")
-    print(text if as_json == "-" else _summary(answer))
+            write_discovery(found, given.names, html, given.findings)
+        if output is not None and found.verdict == "law":
+            write_text(output, law_file(found, output.stem))
+        elif output is not None:
+            tell(f"{output} is not written: there is no law")
+    finally:  # a full disk does not cost the answer
+        print(text if as_json == "-" else _summary(answer))
 
 
 def _summary(answer: dict[str, Any]) -> str:

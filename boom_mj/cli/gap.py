@@ -19,6 +19,7 @@ from boom_mj.cli.arguments import (
     ModelFile,
     Most,
     Seconds,
+    begins_afresh,
     output_folder,
     output_path,
     printable,
@@ -26,7 +27,7 @@ from boom_mj.cli.arguments import (
 )
 from boom_mj.cli.gap_data import load_gap_data
 from boom_mj.cli.many_logs import ManyLogs
-from boom_mj.errors import InputError
+from boom_mj.errors import InputError, OutputError
 from boom_mj.files import locked, write_text
 
 app = typer.Typer(help="Diagnose the gap between simulator and machine.", no_args_is_help=True)
@@ -174,6 +175,7 @@ def diagnose(
         if name not in effect_library():
             raise InputError(f"--without {name}: the library holds {', '.join(effect_library())}")
     paths, tell = [*logs, *(holdout or ())], stopwatch()
+    tell(begins_afresh(table))
     given = load_gap_data(logs, holdout or [], machine, channels, model, healthy or [], strict, tell)
     system, data, names, findings = given.system, given.data, given.names, given.findings
     for finding in findings:
@@ -182,24 +184,29 @@ def diagnose(
 
     def keep(so_far: Diagnosis) -> None:
         if table is not None:
-            write_text(table, json.dumps({**document(so_far, names, findings), "complete": False}, indent=1))
+            try:
+                write_text(table, json.dumps({**document(so_far, names, findings), "complete": False}, indent=1))
+            except OutputError as error:  # there may be room when all is done
+                tell(f"the best so far is not kept: {error}")
 
     found = find(Predictor(system, data), tuple(without or ()), clock, most, keep)
     answer = document(found, names, findings, channel_steps(found, names))
     tell(answer["verdict"])
     text = json.dumps(answer, indent=1)
-    if table is not None:
-        write_text(table, text)
-    if output is not None and isinstance(system, Corrects):
-        write_text(output, system.corrected(causes(found), built_with(found) if nuisances else (), reasons(found)))
-    if predictions is not None:
-        with locked(predictions):
-            _write_predictions(found, predictions, paths if channels else list(map(Path, names)))
-    if html is not None:
-        from boom_mj.report import write_diagnosis
+    try:
+        if table is not None:
+            write_text(table, text)
+        if output is not None and isinstance(system, Corrects):
+            write_text(output, system.corrected(causes(found), built_with(found) if nuisances else (), reasons(found)))
+        if predictions is not None:
+            with locked(predictions):
+                _write_predictions(found, predictions, paths if channels else list(map(Path, names)))
+        if html is not None:
+            from boom_mj.report import write_diagnosis
 
-        write_diagnosis(found, answer, html)
-    print(text if as_json == "-" else _summary(answer))
+            write_diagnosis(found, answer, html)
+    finally:  # a full disk does not cost the answer
+        print(text if as_json == "-" else _summary(answer))
 
 
 def _summary(answer: dict[str, Any]) -> str:

@@ -14,11 +14,15 @@ PAUSE = 60.0  # s between estimates of a stage
 
 
 @contextmanager
-def progress() -> Iterator[Report]:
-    """Something to tell the stage, and how much of how much of it is done."""
+def progress(resumed: str = "") -> Iterator[Report]:
+    """Something to tell the stage, and how much of how much of it is done.
+
+    Args:
+        resumed: stage of which it is said, when it is first told, whether it goes on or begins afresh.
+    """
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield _lines()
+        yield _lines(resumed)
         return
     columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
     with Progress(*columns, console=console) as bar:
@@ -26,19 +30,27 @@ def progress() -> Iterator[Report]:
 
         def report(stage: str, done: int, total: int) -> None:
             if stage not in tasks:
+                if stage == resumed:
+                    bar.console.print(_resumption(stage, done, total), highlight=False)
                 tasks[stage] = bar.add_task(stage, total=total)
             bar.update(tasks[stage], completed=done)
 
         yield report
 
 
-def _lines() -> Report:
+def _resumption(stage: str, done: int, total: int) -> str:
+    return f"{stage}: goes on, {done} of {total} are done" if done else f"{stage}: begins afresh"
+
+
+def _lines(resumed: str) -> Report:
     """One line when a stage is done, and with an estimate when a twentieth of it is and once a minute from then on."""
     began: dict[str, tuple[float, int]] = {}
     told: dict[str, float] = {}
 
     def report(stage: str, done: int, total: int) -> None:
         now = time.monotonic()
+        if stage == resumed and stage not in began:
+            print(_resumption(stage, done, total), file=sys.stderr, flush=True)
         start, first = began.setdefault(stage, (now, done))
         if done == total:
             print(f"{stage}: {done} in {now - start:.0f} s", file=sys.stderr, flush=True)

@@ -93,7 +93,7 @@ def command(
         "randomise": sorted(drawn), "seed": seed,
     }  # fmt: skip
     dataset = describe(film, frames, look, calibration, recording.name, recording.description, options)
-    with progress() as report:
+    with progress("frames") as report:
         render_dataset(film, frames, look, dataset, output, wanted, report, jobs, cluster)
     if "mcap" in wanted:
         from boom_mj.logs import write_mcap

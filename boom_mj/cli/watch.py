@@ -13,6 +13,7 @@ from boom_mj.cli.arguments import (
     LogsMachine,
     ModelFile,
     Seconds,
+    begins_afresh,
     check_machine,
     find_machine,
     output_path,
@@ -50,6 +51,7 @@ def command(
     check_machine(machine, channels, model)
     table = None if as_json in (None, "-") else output_path(Path(str(as_json)))
     tell = stopwatch()
+    tell(begins_afresh())
     system: System
     if channels is not None:
         system, data = load_mjcf(healthy, logs, channels, model)
@@ -64,9 +66,11 @@ def command(
     found = watch(system, well, later, Clock(seconds, tell))
     answer = found.document()
     text = json.dumps(answer, indent=1)
-    if table is not None:
-        write_text(table, text)
-    print(text if as_json == "-" else _summary(answer, sentence(found.found) if found.found else ""))
+    try:
+        if table is not None:
+            write_text(table, text)
+    finally:  # a full disk does not cost the answer
+        print(text if as_json == "-" else _summary(answer, sentence(found.found) if found.found else ""))
 
 
 def _summary(answer: dict[str, Any], words: str) -> str:

@@ -15,6 +15,7 @@ from boom_mj.machine import load_machine
 from boom_mj.recording import Recording, Signal
 from boom_mj.replay.quality import Action, check_channels, check_recordings
 from boom_mj.replay.quality.check import Check, all_checks
+from boom_mj.replay.quality.kinds.states import groups_of
 from boom_mj.sensors import record
 from boom_mj.simulation import CATALOGUE, make_plant, run_experiment
 
@@ -95,9 +96,99 @@ def test_what_is_repaired_is_found_no_more() -> None:
     assert found_in(list(checked.recordings)) == set()
 
 
-def test_two_states_of_the_machine() -> None:
+def test_logs_of_another_state_are_left_out_together_with_the_call_that_diagnoses_them() -> None:
     logs = [*simulated(*OFFSETS)[:TRAINING], *simulated(*OFFSETS, "tip_payload:mass=60")[TRAINING:]]
-    assert ("state", "") in found_in(logs)
+    checked = check_recordings(MACHINE, logs, TRAINING, [f"{k}.mcap" for k in range(4)])
+    told = {f.log: f for f in checked.findings if f.kind == "state"}
+    assert set(told) == {"2.mcap", "3.mcap"} and checked.kept == (0, 1) and checked.training == TRAINING
+    assert all(f.action is Action.LEFT_OUT and "gap diagnose 2.mcap 3.mcap" in f.sentence for f in told.values())
+    assert "than 0.mcap: in the same pose" in told["3.mcap"].sentence
+    assert "with 3.mcap" in told["2.mcap"].sentence  # in a pose that no other log shows
+    with pytest.raises(LogError, match="gap diagnose 2"):
+        checked.refuse(all_of_them=True)
+
+
+@pytest.mark.parametrize(
+    ("apart", "groups"),
+    [
+        ({}, [(0, 1, 2, 3)]),
+        ({(0, 2): 2.0, (1, 3): 2.0}, [(0, 1, 2, 3)]),
+        ({(0, 1): 2.0, (0, 2): 9.0, (2, 3): 2.0}, [(0, 1), (2, 3)]),
+        ({(0, 1): 9.0, (1, 2): 2.0}, [(1, 2, 3), (0,)]),  # as many train: the larger one
+        ({(0, 1): 2.0, (0, 2): 9.0}, [(0, 1), (2, 3)]),  # 3 tells nothing and is with the other one held out
+        ({(0, 2): 9.0, (0, 3): 9.0, (2, 3): 9.0}, [(0, 1), (2,), (3,)]),
+    ],
+)
+def test_which_logs_belong_together(apart: dict, groups: list) -> None:
+    assert groups_of(range(4), 2, {frozenset(pair): far for pair, far in apart.items()}) == groups
+
+
+def test_a_joint_zeroed_anew_is_mended_in_logs_that_cannot_be_compared_if_all_others_of_their_part_were() -> None:
+    rng = np.random.default_rng(3)
+    names = ("release_bow_vertical", "slew_t", "fold_in", "mixed", "release_bow_horizontal")
+    plant = make_plant(MACHINE, 1)
+    logs = [record(run_experiment(plant, CATALOGUE[name]), CATALOGUE[name], rng) for name in names]
+
+    def anew(which: tuple[int, ...]) -> list[str]:
+        done = [_turned(log, 2, 0.007) if k in which else log for k, log in enumerate(logs)]
+        found = check_recordings(MACHINE, done, 2, list("01234")).findings
+        return [f.log for f in found if f.kind == "zero offset" and f.channel.endswith("joint3")]
+
+    assert anew(()) == []
+    assert anew((2, 3, 4)) == ["2", "3", "4"]  # no log but the fourth is at its angles
+    assert anew((2, 3)) == ["2"]  # one held out is as it was: nothing is known of the fourth
+    assert anew((4,)) == ["4"]
+
+
+def _turned(log: Recording, column: int, shift: float) -> Recording:
+    joints = log["joint/position"]
+    return log.with_signals(
+        {"joint/position": replace(joints, values=joints.values + shift * (np.arange(5) == column))}
+    )
+
+
+def test_a_load_in_another_unit_shows_beside_late_imus_and_markers_in_another_unit_do_not_look_like_it() -> None:
+    late = simulated(*OFFSETS, "clock_offset:stream=imu,delay=0.16")
+    loads = [log.with_signals({"load": replace(log["load"], values=log["load"].values / 1000)}) for log in late]
+    assert found_in(loads) == {("load", "load")}
+    assert found_in([_scaled(log, "markers", [100] * 36) for log in late]) == {("unit", "markers")}
+
+
+def test_a_load_that_is_turned_or_not_logged() -> None:
+    logs = simulated(*OFFSETS)
+    turned = [log.with_signals({"load": replace(log["load"], values=-log["load"].values)}) for log in logs]
+    told = check_recordings(MACHINE, turned, TRAINING).findings
+    assert {(f.kind, f.repair.line) for f in told} == {("load", 'signal = "load": sign = -1')}
+    checked = check_recordings(MACHINE, [spoil_logs.without(log, "load") for log in logs], TRAINING)
+    assert {f.log for f in checked.findings} == {log.name for log in logs if log.name.startswith("release")}
+    assert all("as if a rope had been cut" in f.sentence and f.action is Action.LEFT_OUT for f in checked.findings)
+    force = logs[0]["load"]
+    one = [logs[0].with_signals({"load": replace(force, values=force.values / 1000)}), *logs[1:]]
+    assert [f.log for f in check_recordings(MACHINE, one, TRAINING).findings] == [logs[0].name]
+    still = [spoil_logs.without(log, "load") for log in logs if not log.name.startswith("release")]
+    assert check_recordings(MACHINE, still, 1).findings == ()
+
+
+def test_noise_that_is_found_is_raised_for_its_log_and_signal() -> None:
+    logs = list(simulated(*OFFSETS))
+    markers, level = logs[1]["markers"], spoil_logs.noise_levels(MACHINE)["markers"]
+    more = np.random.default_rng(2).normal(size=markers.values.shape) * 5 * level
+    logs[1] = logs[1].with_signals({"markers": replace(markers, values=markers.values + more)})
+    checked = check_recordings(MACHINE, logs, TRAINING)
+    assert {f.log for f in checked.findings} == {logs[1].name} and not checked.noise[0]
+    raised = checked.noise[1]["markers"] / level
+    assert raised.min() > 3
+
+
+@pytest.mark.parametrize("pace", [1.003, 0.997])
+def test_a_clock_that_drifts_is_brought_back(pace: float) -> None:
+    logs = simulated(*OFFSETS)
+    names = [name for name in logs[0].signals if name.startswith("imu/link3")]
+    fast = [log.with_signals({n: replace(log[n], time=log[n].time * pace) for n in names}) for log in logs]
+    checked = check_recordings(MACHINE, fast, TRAINING)
+    assert {(f.kind, f.channel) for f in checked.findings} == {("clock", "imu/link3")}
+    for log, mended in zip(logs, checked.recordings, strict=True):
+        assert np.abs(mended[names[0]].time - log[names[0]].time).max() < 0.01
 
 
 def test_nothing_moves() -> None:

@@ -8,6 +8,8 @@ from pathlib import Path
 import mujoco
 import pytest
 
+from boom_mj import cli
+from boom_mj.cli.arguments import begins_afresh
 from boom_mj.logs import read_mcap, write_mcap
 from boom_mj.recording import Recording
 
@@ -118,3 +120,35 @@ def test_completion_is_there_for_the_shell(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setenv("_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION", "1")  # there may be none around the tests
     script = boom("--show-completion", "bash")
     assert script.returncode == 0 and "COMPLETE" in script.stdout
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        MemoryError(),
+        OSError(12, "Cannot allocate memory"),
+        mujoco.FatalError("Could not allocate memory"),
+        RuntimeError("can't start new thread"),
+        ImportError("x.so: failed to map segment from shared object"),
+    ],
+)
+def test_a_memory_that_ends_is_a_sentence_whatever_came_upon_it(
+    error: Exception, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def full(words: object) -> None:
+        raise error
+
+    monkeypatch.setattr(cli, "app", full)
+    assert cli.run(["generate"]) == 1
+    assert capsys.readouterr().err == "error: there is not enough memory for this\n"
+    monkeypatch.setattr(cli, "app", lambda words: (_ for _ in ()).throw(RuntimeError("another")))
+    with pytest.raises(RuntimeError, match="another"):
+        cli.run(["generate"])
+
+
+def test_work_that_begins_afresh_says_what_a_stopped_call_left(tmp_path: Path) -> None:
+    table = tmp_path / "out.json"
+    assert begins_afresh(None) == begins_afresh(table) == "begins afresh"
+    for text, told in (('{"complete": false}', True), ('{"complete": true}', False), ("[1]", False), ("{", False)):
+        table.write_text(text)
+        assert ("stopped" in begins_afresh(table)) == told

@@ -73,6 +73,21 @@ def test_an_item_that_no_process_survives_is_given_up_by_name_and_the_rest_is_do
         assert [item for item, _ in begun(tmp_path)].count(3) == TRIES
 
 
+def test_processes_that_die_as_they_start_are_not_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As they do for want of memory; with more to tell them than a pipe holds, which nobody reads then."""
+    (tmp_path / "sitecustomize.py").write_text(
+        "import os, sys\nif 'spawn_main' in ' '.join(sys.orig_argv):\n    os._exit(1)\n"
+    )
+    monkeypatch.setenv("PYTHONPATH", f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}")
+    work = partial(len_of, bytes(2**20))
+    (done,) = spread(work, [1], jobs=1)
+    assert isinstance(done.error, WorkerError) and f"{TRIES} processes that had begun it died" in str(done.error)
+
+
+def len_of(much: bytes, item: int) -> int:
+    return item + len(much)
+
+
 def test_an_error_of_the_work_is_the_items_own(way: dict, tmp_path: Path) -> None:
     ended = {done.item: done for done in spread(partial(note, folder=tmp_path, wrong=1), range(3), **way)}
     assert [ended[k].value for k in (0, 2)] == [0, 4]

@@ -19,6 +19,8 @@ LOAD, ROPE = "load", 1000.0  # N, of a rope that is tried where none is logged
 BEFORE, AFTER = 3.0, 2.0  # s around a cut rope: later a model that is a little wrong is out of step
 EXPLAINED = 0.4  # of what the model leaves about its means, by a rope; true ones reach 0.5 to 0.9
 BLOW = 20.0  # times an accelerometer's noise, from one sample to the next, where nothing else moves: a cut rope
+MARKERS, CYLINDERS = "markers", "cylinder/"
+ALIKE = 0.3  # of a factor, within which both say the same: they are not in another unit both
 CLIP = 1e4  # in noise: what is in another unit must not drown the rest
 WEAK = 1e-3  # N, below which a logged load is none
 
@@ -82,7 +84,17 @@ def _acts(evidence: Evidence, index: int) -> tuple[float, float]:
     if without is None or whole is None:
         return 1.0, 0.0
     cut = float(log[LOAD].time[int(np.argmax(np.abs(np.diff(log[LOAD].values, axis=0)).max(axis=1)))])
-    rest, effect = _about(evidence, log, without, log, cut), _about(evidence, whole.twin, without, log, cut)
+    every, markers, force = (_share(evidence, log, without, whole.twin, cut, only) for only in ("", MARKERS, CYLINDERS))
+    if abs(markers[0] - force[0]) < ALIKE * abs(markers[0]):  # late IMUs put their jolts beside those of the model
+        return max(every, min(markers, force, key=lambda one: one[1]), key=lambda one: one[1])
+    return every
+
+
+def _share(
+    evidence: Evidence, log: Recording, without: Recording, whole: Recording, cut: float, only: str
+) -> tuple[float, float]:
+    """Factor and share, see `_acts`, by sensors of some names only."""
+    rest, effect = (_about(evidence, one, without, log, cut, only) for one in (log, whole))
     square = max(float(effect @ effect), 1e-300)
     factor = float(rest @ effect) / square
     return factor, factor**2 * square / max(float(rest @ rest), 1e-300)
@@ -104,11 +116,11 @@ def _twin(evidence: Evidence, log: Recording) -> Recording | None:
         return None
 
 
-def _about(evidence: Evidence, one: Recording, other: Recording, log: Recording, cut: float) -> Array:
+def _about(evidence: Evidence, one: Recording, other: Recording, log: Recording, cut: float, only: str = "") -> Array:
     """one - other of all sensors in noise around a cut, about its mean in every channel, (N,); 0 where not known."""
-    parts = []
+    parts = [np.zeros(0)]
     for name, level in evidence.levels.items():
-        if name == DRIVE or name not in log or name not in one or name not in other:
+        if name == DRIVE or not name.startswith(only) or name not in log or name not in one or name not in other:
             continue
         near = (log[name].time > cut - BEFORE) & (log[name].time < cut + AFTER)
         difference = (one[name].values - other[name].values)[near] / level

@@ -1,6 +1,6 @@
 """Joint angle sensors zeroed anew, or far off."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
@@ -22,8 +22,9 @@ class ZeroOffset(Check):
     """Reading less command at rest: where it differs between recordings at the same angle, a sensor was zeroed anew.
 
     The reading is brought back to that of the first training recording, or to its command where it is off by more than
-    any zero offset. An error that is a function of the angle - a nonlinear sensor - is a cause and no finding, and so
-    is a zero offset of ordinary size that all recordings share.
+    any zero offset. So is that of a recording that cannot be compared, if all others of its part, training or held out,
+    were shifted alike and it is nearer to them than to the rest. An error that is a function of the angle - a nonlinear
+    sensor - is a cause and no finding, and so is a zero offset of ordinary size that all recordings share.
     """
 
     kind = "zero offset"
@@ -34,11 +35,15 @@ class ZeroOffset(Check):
         noise = np.radians(evidence.machine.sensors.noise.joint_deg) if evidence.machine else 0.0
         for column in range(5):
             known: list[tuple[float, float]] = []  # angle, error of rests that are believed
+            shifts: dict[int, float] = {}  # of recordings that share an angle with another
+            errors = {k: float(np.median([e[column] for _, e in found] or [0.0])) for k, found in rests.items()}
             for index in evidence.indices:
                 own = [(angle[column], error[column]) for angle, error in rests[index]]
                 apart = [e - k for a, e in own for b, k in known if abs(a - b) < POSE]
                 shift = float(np.median(apart)) if apart else 0.0
-                error = float(np.median([e for _, e in own])) if own else 0.0
+                error = errors[index]
+                if apart or any(abs(a - b[column]) < POSE for a, _ in own for b in _angles(rests, index)):
+                    shifts[index] = shift
                 if abs(shift) > ANEW * noise:
                     text = f"reads {np.degrees(shift):.3g} deg otherwise than in the logs before, at the same angle"
                 elif not apart and abs(error) > BEYOND:
@@ -47,7 +52,15 @@ class ZeroOffset(Check):
                     known += own
                     continue
                 known += [(a, e - shift) for a, e in own]
+                shifts[index] = shift
                 yield self._found(evidence, index, column, text, shift)
+            for index in set(evidence.indices) - set(shifts):
+                beside = [s for k, s in shifts.items() if (k < evidence.training) == (index < evidence.training)]
+                if beside and min(map(abs, beside)) > ANEW * noise > np.ptp(beside):
+                    shift, sound = float(np.median(beside)), float(np.median([errors[k] - shifts[k] for k in shifts]))
+                    if abs(errors[index] - sound - shift) < abs(errors[index] - sound):
+                        text = f"reads {np.degrees(shift):.3g} deg otherwise, as all other logs of its part"
+                        yield self._found(evidence, index, column, text, shift)
 
     def _found(self, evidence: Evidence, index: int, column: int, text: str, shift: float) -> Found:
         joints = evidence.recordings[index][DRIVE]
@@ -63,6 +76,11 @@ class ZeroOffset(Check):
             repair=Repair(DRIVE, channel, offset=-shift),
         )
         return Found(index, finding, mapped(DRIVE, np.ones_like(back), back))
+
+
+def _angles(rests: Mapping[int, Sequence[tuple[Array, Array]]], index: int) -> list[Array]:
+    """Commanded angles of the rests of all other recordings."""
+    return [angle for other, found in rests.items() if other != index for angle, _ in found]
 
 
 def _rests(evidence: Evidence, index: int) -> list[tuple[Array, Array]]:

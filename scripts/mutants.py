@@ -1,0 +1,403 @@
+"""Mutants of the rooms that decide, each run against the fast tests that reach it: a table of docs/results/mutants.md.
+
+    python scripts/mutants.py [--each 20] [--keep FILE.jsonl] [--again] [--commit ID]
+
+A mutant is a room's file with one change: a comparison, a sign, an operator, a constant, `and` and `or`, a condition, a
+value that is returned. `--each` are drawn from every room, by SHA-256 of the commit and the name of this script. First
+every file of TESTS runs once, watched: which of its tests reach a line that is to be changed. Then every mutant meets
+those, the quick ones first; one that fails, or lasts longer than LONGEST, kills it. A mutant that no test reaches
+survives. Lines of FILE.jsonl are results, and a second call goes on; with `--again` survivors are tried anew, against
+tests that were written since. Slow tests (`tests/recover`) are left out: what they would kill counts as surviving.
+"""
+
+import argparse
+import ast
+import hashlib
+import importlib
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import CodeType, FrameType
+from typing import Any, ClassVar
+
+ROOT = Path(__file__).parents[1]
+ROOMS = ("estimation", "diagnosis", "effects", "replay/quality")
+TESTS = (
+    "unit/test_quality", "unit/test_decision", "unit/test_choice_by_error", "unit/test_shares", "unit/test_watch",
+    "unit/test_candidate", "unit/test_scoring", "unit/test_linearisation", "unit/test_play_and_rest",
+    "unit/test_angle_errors", "laws/test_mjcf", "unit/test_latent_input", "unit/test_screening", "unit/test_passes",
+    "unit/test_laws", "unit/test_any_machine_answers", "unit/test_diagnosis_page", "unit/test_known_of_logs",
+    "unit/test_effect_files", "unit/test_blind_answers", "unit/test_deciding", "golden/test_numbers",
+    "unit/test_logs_check", "laws/test_systems", "agree/test_effects_at_rest", "laws/test_estimation",
+    "laws/test_effects", "laws/test_data_checks",
+)  # fmt: skip
+LONGEST = 180.0  # s of all tests of a mutant, which take half of it at most without it
+LONGEST_FILE = 300.0  # s of a file of tests that is watched
+HEAVY = ("numpy", "scipy.optimize", "scipy.signal", "scipy.stats", "mujoco", "typer", "rich.console", "pytest", "mcap")
+
+
+@dataclass(frozen=True)
+class Point:
+    """Where a file can be changed: the nth of its nodes that can be, and which change."""
+
+    file: str
+    line: int
+    number: int
+    what: str
+
+
+class Mutation(ast.NodeTransformer):
+    """Counts the places where something can be changed, and changes the one that is wanted.
+
+    Comparisons are turned round (`<` to `>=`), as one that only differs at equal numbers says nothing of floats.
+    """
+
+    COMPARED: ClassVar = {
+        ast.Lt: ast.GtE, ast.GtE: ast.Lt, ast.Gt: ast.LtE, ast.LtE: ast.Gt, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq,
+        ast.Is: ast.IsNot, ast.IsNot: ast.Is, ast.In: ast.NotIn, ast.NotIn: ast.In,
+    }  # fmt: skip
+    OPERATED: ClassVar = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.Pow: ast.Mult}
+
+    def __init__(self, wanted: int = -1) -> None:
+        self.wanted, self.found = wanted, []
+
+    def change(self, node: ast.AST, what: str, changed: Callable[[], ast.AST]) -> ast.AST:
+        self.found.append((node.lineno, what))
+        return changed() if len(self.found) - 1 == self.wanted else node
+
+    def visit_Compare(self, node: ast.Compare) -> ast.AST:
+        self.generic_visit(node)
+        kind = self.COMPARED[type(node.ops[0])]
+        return self.change(
+            node, f"{type(node.ops[0]).__name__} to {kind.__name__}",
+            lambda: ast.Compare(node.left, [kind(), *node.ops[1:]], node.comparators),
+        )  # fmt: skip
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.AST:
+        self.generic_visit(node)
+        kind = self.OPERATED.get(type(node.op))
+        texts = any(isinstance(n, ast.JoinedStr | ast.Constant) and not _number(n) for n in (node.left, node.right))
+        if kind is None or texts:
+            return node
+        changed = ast.BinOp(node.left, kind(), node.right)
+        return self.change(node, f"{type(node.op).__name__} to {kind.__name__}", lambda: changed)
+
+    def visit_BoolOp(self, node: ast.BoolOp) -> ast.AST:
+        self.generic_visit(node)
+        kind = ast.Or if isinstance(node.op, ast.And) else ast.And
+        return self.change(node, f"to {kind.__name__}", lambda: ast.BoolOp(kind(), node.values))
+
+    def visit_UnaryOp(self, node: ast.UnaryOp) -> ast.AST:
+        self.generic_visit(node)
+        if isinstance(node.op, ast.Not | ast.USub):
+            return self.change(node, f"without {type(node.op).__name__}", lambda: node.operand)
+        return node
+
+    def visit_Constant(self, node: ast.Constant) -> ast.AST:
+        if not isinstance(node.value, bool | int | float):
+            return node
+        old = node.value
+        new = not old if isinstance(old, bool) else old + 1 if isinstance(old, int) else 2 * old or 1.0
+        return self.change(node, f"{old} to {new}", lambda: ast.Constant(new))
+
+    def _condition(self, node: Any) -> Any:
+        self.generic_visit(node)
+        if not isinstance(node.test, ast.Compare | ast.BoolOp | ast.UnaryOp):  # those are changed themselves
+            opposite = ast.UnaryOp(ast.Not(), node.test)
+            node.test = self.change(node.test, "condition turned round", lambda: opposite)
+        return node
+
+    visit_If = visit_IfExp = visit_While = _condition
+
+    def visit_Return(self, node: ast.Return) -> ast.AST:
+        self.generic_visit(node)
+        if node.value is None or (isinstance(node.value, ast.Constant) and node.value.value is None):
+            return node
+        return self.change(node, "returns None", lambda: ast.Return(ast.Constant(None)))
+
+    # what decides nothing: annotations, decorators, messages of errors, checks of types
+
+    def visit_AnnAssign(self, node: ast.AnnAssign) -> ast.AST:
+        if node.value is not None:
+            node.value = self.visit(node.value)
+        return node
+
+    def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST:
+        node.args.defaults = [self.visit(value) for value in node.args.defaults]
+        node.args.kw_defaults = [value and self.visit(value) for value in node.args.kw_defaults]
+        node.body = [self.visit(part) for part in node.body]
+        return node
+
+    def visit_Raise(self, node: ast.Raise) -> ast.AST:
+        return node
+
+    visit_Assert = visit_JoinedStr = visit_Raise
+
+    def visit_ClassDef(self, node: ast.ClassDef) -> ast.AST:
+        protocol = any(isinstance(base, ast.Name) and base.id == "Protocol" for base in node.bases)
+        if not protocol:
+            node.body = [self.visit(part) for part in node.body]
+        return node
+
+
+def _number(node: ast.AST) -> bool:
+    return isinstance(node, ast.Constant) and isinstance(node.value, int | float)
+
+
+def points(path: Path) -> list[Point]:
+    """All places of a file."""
+    mutation = Mutation()
+    mutation.visit(ast.parse(path.read_text()))
+    name = str(path.relative_to(ROOT))
+    return [Point(name, line, number, what) for number, (line, what) in enumerate(mutation.found)]
+
+
+def mutated(path: Path, number: int) -> str:
+    """The text with a place changed."""
+    tree = Mutation(number).visit(ast.parse(path.read_text()))
+    return ast.unparse(ast.fix_missing_locations(tree))
+
+
+def drawn(commit: str, each: int) -> list[Point]:
+    """As many from every room."""
+    found = []
+    for room in ROOMS:
+        seed = hashlib.sha256(f"{commit} mutants.py {room}".encode()).hexdigest()
+        every = [point for path in sorted((ROOT / "boom_mj" / room).rglob("*.py")) for point in points(path)]
+        found += random.Random(seed).sample(every, each)
+    return found
+
+
+class Watch:
+    """A plugin of pytest: which tests reach which lines."""
+
+    def __init__(self, wanted: dict[str, set[int]]) -> None:
+        self.wanted, self.now, self.reached = wanted, "", {}
+        self.seconds: dict[str, float] = {}
+        self.failed: set[str] = set()  # without any mutant: they tell nothing
+        self._codes: dict[CodeType, set[int]] = {}
+        self._met: set[tuple[str, int]] = set()
+
+    def pytest_runtest_protocol(self, item: Any, nextitem: Any) -> None:
+        self._close()
+        self.now, self.began = item.nodeid, time.monotonic()
+
+    def pytest_runtest_logreport(self, report: Any) -> None:
+        if report.failed:
+            self.failed.add(report.nodeid)
+
+    def pytest_sessionfinish(self) -> None:
+        self._close()
+
+    def _close(self) -> None:
+        if self.now:
+            self.reached[self.now] = [] if self.now in self.failed else sorted(self._met)
+            self.seconds[self.now] = time.monotonic() - self.began
+        self._met = set()
+
+    def trace(self, frame: FrameType, event: str, argument: Any) -> Any:
+        code = frame.f_code
+        lines = self._codes.get(code)
+        if lines is None:
+            name = code.co_filename
+            at = name.find("boom_mj/")
+            here = {line for *_, line in code.co_lines() if line}
+            lines = self._codes[code] = here & self.wanted.get(name[at:], set()) if at >= 0 else set()
+        return self._local if lines else None
+
+    def _local(self, frame: FrameType, event: str, argument: Any) -> Any:
+        if event == "line" and frame.f_lineno in self._codes[frame.f_code]:
+            name = frame.f_code.co_filename
+            self._met.add((name[name.find("boom_mj/") :], frame.f_lineno))
+        return self._local
+
+
+def in_a_fork(folder: Path, seconds: float, work: Callable[[], int]) -> int | None:
+    """The status of work in a process of its own, whose boom_mj is that of a folder; None if it takes too long."""
+    child = os.fork()
+    if child == 0:
+        status = 1
+        try:
+            os.setsid()
+            os.chdir(folder)
+            sys.path.insert(0, str(folder))
+            os.environ["PYTHONPATH"] = str(folder)
+            quiet = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(quiet, 1), os.dup2(quiet, 2)
+            status = work()
+        finally:
+            os._exit(status)
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        done, status = os.waitpid(child, os.WNOHANG)
+        if done:
+            return os.waitstatus_to_exitcode(status)
+        time.sleep(0.02)
+    os.killpg(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    return None
+
+
+def tests_of(names: Sequence[str], *plugins: Any) -> int:
+    import pytest
+
+    stop = () if plugins else ("-x",)
+    return int(pytest.main([*names, *stop, "-q", "-p", "no:cacheprovider", "-p", "no:xdist"], list(plugins)))
+
+
+def watched(folder: Path, file: str, wanted: dict[str, set[int]]) -> dict[str, Any]:
+    """What tests of a file reach, and how long they take."""
+    out = folder / "reached.json"
+    out.unlink(missing_ok=True)
+
+    def work() -> int:
+        watch = Watch(wanted)
+        threading.settrace(watch.trace)
+        sys.settrace(watch.trace)
+        status = tests_of([file], watch)
+        sys.settrace(None)
+        out.write_text(json.dumps({"reached": watch.reached, "seconds": watch.seconds}))
+        return status
+
+    status = in_a_fork(folder, LONGEST_FILE, work)
+    if status != 0:
+        print(f"{file} ends with {status} without any mutant", file=sys.stderr)
+    return json.loads(out.read_text()) if out.exists() else {"reached": {}, "seconds": {}}
+
+
+def copied(folder: Path) -> None:
+    """What tests need: copies of what is changed, links to the rest."""
+    for name in ("boom_mj", "tests"):
+        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+    for path in ROOT.iterdir():
+        if path.name not in ("boom_mj", "tests", ".git") and not (folder / path.name).exists():
+            (folder / path.name).symlink_to(path)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--each", type=int, default=20, help="mutants of every room")
+    parser.add_argument("--keep", type=Path, default=Path("mutants.jsonl"))
+    parser.add_argument("--again", action="store_true", help="try survivors anew")
+    parser.add_argument("--commit", default="", help="whose id the sample follows from; HEAD if left out")
+    given = parser.parse_args()
+    commit = given.commit or subprocess.check_output(["git", "rev-parse", "HEAD"], cwd=ROOT, text=True).strip()
+    rows = [json.loads(line) for line in given.keep.read_text().splitlines()] if given.keep.exists() else []
+    known = {(row["file"], row["number"]): row["end"] for row in rows}
+    sample = drawn(commit, given.each)
+    waiting = [p for p in sample if (end := known.get((p.file, p.number))) is None or (given.again and end != "killed")]
+    os.environ |= {"OMP_NUM_THREADS": "1", "MUJOCO_GL": "disabled", "PYTHONDONTWRITEBYTECODE": "1"}
+    sys.dont_write_bytecode = True
+    for name in HEAVY:
+        importlib.import_module(name)
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = Path(scratch)
+        copied(folder)
+        reached = dict(reach(folder, sample, given.keep.with_suffix(".reached.json"))) if waiting else {}
+        for point in waiting:
+            rows.append({"room": room_of(point), **vars(point), **judged(folder, point, reached.get(key(point), []))})
+            with given.keep.open("a") as stream:
+                stream.write(json.dumps(rows[-1]) + "\n")
+            print(f"{point.file}:{point.line} {point.what}: {rows[-1]['end']} {rows[-1]['by']}", file=sys.stderr)
+    wanted = {(point.file, point.number) for point in sample}
+    print(table([row for row in rows if (row["file"], row["number"]) in wanted]))
+    return 0
+
+
+def key(point: Point) -> str:
+    return f"{point.file}:{point.line}"
+
+
+def room_of(point: Point) -> str:
+    return next(room for room in ROOMS if point.file.startswith(f"boom_mj/{room}/"))
+
+
+def reach(folder: Path, sample: Sequence[Point], kept: Path) -> Iterator[tuple[str, list[tuple[float, str]]]]:
+    """Line -> the tests that reach it, quick ones first; a file that was watched and has not changed is not again."""
+    known = json.loads(kept.read_text()) if kept.exists() else {}
+    wanted: dict[str, set[int]] = {}
+    for point in sample:
+        wanted.setdefault(point.file, set()).add(point.line)
+    lines = sorted({key(point) for point in sample})
+    tests: dict[str, list[tuple[float, str]]] = {}
+    for name in TESTS:
+        path = ROOT / "tests" / f"{name}.py"
+        if not path.exists():
+            continue
+        print_of = hashlib.sha256(path.read_bytes() + json.dumps(lines).encode()).hexdigest()
+        if known.get(name, {}).get("of") != print_of:
+            known[name] = {"of": print_of, **watched(folder, f"tests/{name}.py", wanted)}
+            kept.write_text(json.dumps(known))
+            print(f"watched {name}: {sum(known[name]['seconds'].values()):.0f} s", file=sys.stderr)
+        for test, met in known[name]["reached"].items():
+            for file, line in met:
+                tests.setdefault(f"{file}:{line}", []).append((known[name]["seconds"][test], test))
+    imported = [(0.0, "tests/unit/test_decision.py")]  # what runs when a module is imported, all tests reach
+    if "golden/test_numbers" in known:
+        imported.append((0.1, "tests/golden/test_numbers.py"))
+    for point in sample:
+        path = ROOT / point.file
+        inside = any(
+            isinstance(node, ast.FunctionDef) and node.body[0].lineno <= point.line <= (node.end_lineno or 0)
+            for node in ast.walk(ast.parse(path.read_text()))
+        )
+        if not inside:
+            everywhere = sorted(
+                {(s, t) for k, found in tests.items() if k.startswith(f"{point.file}:") for s, t in found}
+            )
+            files = [(sum(known[n]["seconds"].values()), f"tests/{n}.py") for n in TESTS if n in known]
+            tests[key(point)] = everywhere + imported if everywhere else sorted(imported + files)
+        yield key(point), sorted(set(tests.get(key(point), [])))
+
+
+def judged(folder: Path, point: Point, tests: Sequence[tuple[float, str]]) -> dict[str, Any]:
+    """Whether the tests that reach a mutant kill it."""
+    if not tests:
+        return {"end": "not reached", "by": "", "tests": 0}
+    path, original = folder / point.file, (folder / point.file).read_text()
+    path.write_text(mutated(ROOT / point.file, point.number))
+    try:
+        names, spent = [], 0.0
+        for seconds, name in tests:
+            if spent + seconds <= LONGEST / 2 or not names:
+                names.append(name)
+                spent += seconds
+        status = in_a_fork(folder, LONGEST, lambda: tests_of(names))
+    finally:
+        path.write_text(original)
+    end = "survived" if status == 0 else "killed"
+    return {"end": end, "by": "time" if status is None else f"status {status}" if status else "", "tests": len(names)}
+
+
+def table(rows: Sequence[dict[str, Any]]) -> str:
+    """By room, first and last results, as Markdown; then what survived."""
+    first: dict[tuple[str, int], dict] = {}
+    last: dict[tuple[str, int], dict] = {}
+    for row in rows:
+        first.setdefault((row["file"], row["number"]), row)
+        last[row["file"], row["number"]] = row
+    lines = ["| room | mutants | killed before | killed after | survived | not reached |", "|---|---|---|---|---|---|"]
+    for room in (*ROOMS, "all"):
+        before, after = ([r for r in found.values() if room in (r["room"], "all")] for found in (first, last))
+        count = {end: sum(r["end"] == end for r in after) for end in ("killed", "survived", "not reached")}
+        killed = sum(r["end"] == "killed" for r in before)
+        share = [f"{k} ({100 * k / max(1, len(after)):.0f} %)" for k in (killed, count["killed"])]
+        lines.append(f"| {room} | {len(after)} | {' | '.join(share)} | {count['survived']} | {count['not reached']} |")
+    lines.append("")
+    left = [row for row in last.values() if row["end"] != "killed"]
+    lines += [f"- {row['file']}:{row['line']}: {row['what']} ({row['end']})" for row in left]
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,49 @@
+"""Numbers of the library and of the decision are kept as text: whoever moves one sees it, and says so.
+
+python tests/golden/test_numbers.py > tests/golden/numbers.json
+"""
+
+import json
+from dataclasses import asdict
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from boom_mj.diagnosis.criteria import described
+from boom_mj.effects import BOOM_SITES, effect_library
+from boom_mj.effects.site import Site
+from boom_mj.replay.quality.check import all_checks
+
+KEPT = Path(__file__).with_name("numbers.json")
+LINES_HZ = (0.5, 2.0)  # of a spectrum that is screened for
+
+
+def numbers() -> dict[str, Any]:
+    """Ranges of every effect, what screening tries of it, every criterion and threshold, as JSON holds them."""
+    effects = {}
+    for name, kind in effect_library().items():
+        if not kind.__module__.startswith("boom_mj."):
+            continue
+        site = next(iter(kind.allowed(BOOM_SITES)), Site())
+        ranges = {key: asdict(value) for key, value in kind.parameters(site).items()}
+        effects[name] = {"parameters": ranges, "screening": repr(kind.screening(site, LINES_HZ))}
+    criteria = {f"{family} {field.name}": {**values} for family, field, values in described()}
+    thresholds = {}
+    for check in all_checks():
+        module = import_module(type(check).__module__)
+        own = {name: repr(value) for name, value in vars(module).items() if name.isupper() and not callable(value)}
+        thresholds[module.__name__.rpartition(".")[2]] = own
+    found = {"effects": effects, "criteria": criteria, "data checks": thresholds}
+    return json.loads(json.dumps(found, default=str))
+
+
+def test_no_number_moves_unseen() -> None:
+    kept, now = json.loads(KEPT.read_text()), numbers()
+    for part in kept:
+        assert set(kept[part]) == set(now[part])
+        moved = {name: (old, now[part][name]) for name, old in kept[part].items() if old != now[part][name]}
+        assert not moved, "record them anew, and say so in CHANGELOG.md under Numbers that moved"
+
+
+if __name__ == "__main__":
+    print(json.dumps(numbers(), indent=1))
