@@ -38,6 +38,7 @@ def document(found: Discovery, names: Sequence[str], findings: Sequence[DataFind
         "library": None
         if found.library is None
         else {**brief(found.library.fit.effects), "holdout_gap": found.library.held_out},
+        "withheld": _effect(found.withheld),
         "data": [finding.document() for finding in findings],
         "complete": not found.skipped,
         "skipped": list(found.skipped),
@@ -100,6 +101,8 @@ def sentence(found: Discovery) -> str:
     if found.verdict == "law":
         same = found.same_as.label if found.same_as else ""
         known = f" The library has it: it is {same}." if same else ""
+        if found.withheld and not same:
+            known = f" It is not new: {found.withheld.label} of the library, left out here, leaves less."
         count = len(found.ties)
         also = "" if not count else " Another law does as well." if count == 1 else f" {count} other laws do as well."
         return f"The law is {law}: it closes {share.value:.0%} of the held-out gap.{known}{also}"

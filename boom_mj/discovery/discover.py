@@ -34,6 +34,7 @@ class Discovery:
         ties: other laws of no more terms that the data cannot tell from the best.
         library: the library's effect that does best alone, None where none helps.
         same_as: it, where it does what the law does.
+        withheld: an effect that was left out of the library and leaves less than the law.
         places: of every place the law that leaves least there, the best first.
         as_built: whitened residual of the machine as built, (N,).
         model: the healthy machine.
@@ -46,6 +47,7 @@ class Discovery:
     ties: tuple[FoundLaw, ...]
     library: Scored | None
     same_as: Scored | None
+    withheld: Scored | None
     places: tuple[FoundLaw, ...]
     as_built: Array
     model: Linearisation
@@ -84,7 +86,7 @@ def _discover(predictor: Predictor, without: Sequence[str], clock: Clock) -> Dis
     gaps = gap(as_built, model.data.train), gap(as_built, model.data.held_out)
     clock.tell(f"gap as built {gaps[0]:.2f} in training, {gaps[1]:.2f} held out")
     if max(gaps) <= model.criteria.healthy_gap:
-        return Discovery("none", None, (), (), None, None, (), as_built, model, clock.skipped)
+        return Discovery("none", None, (), (), None, None, None, (), as_built, model, clock.skipped)
     places = possible(model, as_built, places_of(model))
     clock.tell(f"{sum(len(place.terms) for place in places)} terms at {len(places)} places")
     ranked = sums(model, raw, places) if places else []
@@ -104,7 +106,8 @@ def _discover(predictor: Predictor, without: Sequence[str], clock: Clock) -> Dis
     if best and named and named is not same and _better(model, named, best):
         verdict = "none"
     ties = tuple(one for one in laws if best and _tied(model, best, one))
-    return Discovery(verdict, best, front, ties, named, same, _by_place(laws), as_built, model, clock.skipped)
+    known = next((one for one in library if one not in left and best and _better(model, one, best)), None)
+    return Discovery(verdict, best, front, ties, named, same, known, _by_place(laws), as_built, model, clock.skipped)
 
 
 def _front(laws: Sequence[FoundLaw]) -> tuple[FoundLaw, ...]:

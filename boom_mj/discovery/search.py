@@ -168,19 +168,21 @@ def _typical(place: Place, term: Term, coefficient: str) -> float:
 def fitted(model: Linearisation, ranked: Sequence[Sequence[Sum]], before: float, clock: Clock) -> Iterator[FoundLaw]:
     """The best sums at the best places, fitted in the loop and scored.
 
-    Longer ones only where shorter ones leave a gap of which they promise to close their share (`required_gain`).
+    Longer ones only where shorter ones leave a gap of which they promise to close their share (`required_gain`), or of
+    two terms at the best place, since promises are linear.
 
     Args:
         before: gap in training.
     """
     budget, share = model.budget, model.criteria.main_share
     least = share * max((s.share for at_place in ranked for s in at_place), default=0.0)
-    for at_place in [one for one in ranked if max(s.share for s in one) >= least][: budget.law_places]:
+    likely = [one for one in ranked if max(s.share for s in one) >= least][: budget.law_places]
+    for rank, at_place in enumerate(likely):
         shorter = np.inf  # mean square above noise that sums promise to leave
         for size in range(1, budget.law_terms + 1):
             own = [s for s in at_place if len(s.terms) == size]
             left = min(((1 - s.share) * before**2 - 1 for s in own), default=np.inf)
-            if left > (1 - model.criteria.required_gain) * shorter:
+            if left > (1 - model.criteria.required_gain) * shorter and (rank, size) != (0, 2):
                 continue
             found, shorter = [], left
             for one in own[: budget.law_forms]:
