@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from boom_mj import diagnosis, discovery
 from boom_mj.diagnosis.clock import Clock
+from boom_mj.engine import no_log
 from boom_mj.errors import InputError
 from boom_mj.estimation.bootstrap import Closure
 from boom_mj.files import write_text
@@ -240,7 +241,8 @@ def diagnose(
         LogError: a log that cannot be read, or that lacks the joint angles.
     """
     system, checked = _checked(machine, train, holdout, tell)
-    found = diagnosis.diagnose(Predictor(system, checked.data), without, Clock(seconds, tell), most)
+    with no_log():  # of candidates that no machine could be
+        found = diagnosis.diagnose(Predictor(system, checked.data), without, Clock(seconds, tell), most)
     return Answer(system.machine, found, checked.names, checked.findings)
 
 
@@ -259,7 +261,8 @@ def discover(
         without: ids of effects of the library that a law may stand for.
     """
     system, checked = _checked(machine, train, holdout, tell)
-    found = discovery.discover(Predictor(system, checked.data), without, Clock(seconds, tell))
+    with no_log():
+        found = discovery.discover(Predictor(system, checked.data), without, Clock(seconds, tell))
     return LawAnswer(found, checked.names, checked.findings)
 
 

@@ -2,9 +2,16 @@
 
 MuJoCo refuses to be imported while MUJOCO_GL names no way to draw, or one whose library is missing, even where nothing
 is drawn. Here it is imported without the variable then; who draws refuses (`cameras.studio`).
+
+Its bindings give it a clock that it reads at the start and the end of every stage of every step, a twelfth of the time
+of a boom of two hinges, for statistics that nobody here reads. It goes before the first step: a thread that steps may
+be about to call it.
 """
 
+import ctypes
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 
@@ -20,6 +27,8 @@ except Exception:  # of several types, by what is missing
 
     os.environ[NAME] = _given
 
+ctypes.c_void_p.in_dll(ctypes.CDLL(mujoco._functions.__file__), "mjcb_time").value = None
+
 
 def mass_matrix(model: "mujoco.MjModel") -> np.ndarray:
     """M(q) of a model where it begins, armature included, (nv, nv)."""
@@ -32,3 +41,13 @@ def mass_matrix(model: "mujoco.MjModel") -> np.ndarray:
 def keep_no_log() -> None:
     """Let MuJoCo's warnings be: it writes them into a file where one works; ours name the joint."""
     mujoco.set_mju_user_warning(lambda text: None)
+
+
+@contextmanager
+def no_log() -> Iterator[None]:
+    """The same for a while; afterwards MuJoCo warns as it does by itself."""
+    keep_no_log()
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(None)

@@ -32,11 +32,12 @@ from boom_mj.recording import QUANTITIES
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "boom_mj"
+NOTEBOOKS = sorted((ROOT / "examples").glob("*.ipynb"))
 ROOMS = (
     "boom_mj", "boom_mj.errors", "boom_mj.machine", "boom_mj.recording", "boom_mj.effects", "boom_mj.reference",
     "boom_mj.mjcf", "boom_mj.simulation", "boom_mj.sensors", "boom_mj.replay", "boom_mj.logs", "boom_mj.systems.boom",
-    "boom_mj.systems.mjcf", "boom_mj.calibration", "boom_mj.diagnosis", "boom_mj.blind", "boom_mj.report",
-    "boom_mj.testing",
+    "boom_mj.systems.mjcf", "boom_mj.calibration", "boom_mj.diagnosis", "boom_mj.discovery", "boom_mj.blind",
+    "boom_mj.report", "boom_mj.testing",
 )  # fmt: skip
 CRITERIA = "boom_mj.diagnosis.criteria"
 SYSTEMS, PROTOCOLS = "boom_mj.systems.", "systems.system"
@@ -64,12 +65,17 @@ def on_files(files, config):  # type: ignore[no-untyped-def]
         "contributing.md": home((ROOT / "CONTRIBUTING.md").read_text()),
         "changelog.md": (ROOT / "CHANGELOG.md").read_text(),
         "reference/commands.md": commands(),
-        "reference/python.md": python(),
+        "reference/python.md": python_index(),
         "reference/effects.md": effects(),
         "reference/criteria.md": criteria(),
+        **{notebook_page(path): notebook(path) for path in NOTEBOOKS},
     }
     for name, text in pages.items():
         files.append(File.generated(config, name, content=text))
+    for room, text in python().items():
+        page = File.generated(config, python_page(room), content=text)
+        page.inclusion = InclusionLevel.NOT_IN_NAV
+        files.append(page)
     for path in sorted({mention.path for found in mentions().values() for mention in found}):
         text = f'---\nhide: [toc]\n---\n# {path.name}\n\n```python linenums="1"\n{path.read_text()}```\n'
         listing = File.generated(config, listing_of(path), content=text)
@@ -96,7 +102,32 @@ def on_page_markdown(markdown, page, config, files):  # type: ignore[no-untyped-
 def home(text: str) -> str:
     """A page of the repository's root as one of the site: docs/ is where it lies now."""
     text = text.replace("](docs/", "](").replace("](CONTRIBUTING.md", "](contributing.md")
-    return text.replace("](CHANGELOG.md", "](changelog.md")
+    text = text.replace("](CHANGELOG.md", "](changelog.md")
+    return re.sub(r"\]\(examples/(\w+)\.ipynb", r"](tutorials/notebooks/\1.md", text)
+
+
+def notebook_page(path: Path) -> str:
+    """Where the page of a notebook lies."""
+    return f"tutorials/notebooks/{path.stem}.md"
+
+
+def notebook(path: Path) -> str:
+    """A notebook with what its cells printed and drew, as Markdown."""
+    parts = []
+    for cell in json.loads(path.read_text())["cells"]:
+        source = "".join(cell["source"])
+        if cell["cell_type"] == "markdown":
+            parts.append(re.sub(r"`(\w+)\.ipynb`", r"[\1](\1.md)", source))
+            continue
+        parts.append(f"```python\n{source}\n```")
+        for output in cell["outputs"]:
+            if "text" in output:
+                parts.append(f"```text\n{''.join(output['text']).rstrip()}\n```")
+            elif "image/png" in output["data"]:
+                parts.append(f"![what the cell draws](data:image/png;base64,{output['data']['image/png']})")
+    title, _, rest = parts[0].partition("\n")
+    note = f"*`examples/{path.name}`: `scripts/notebooks.py` runs it without Jupyter, and a test does.*"
+    return "\n\n".join((title, note, rest.strip(), *parts[1:])) + "\n"
 
 
 def commands() -> str:
@@ -140,20 +171,41 @@ def _home_of(module: ModuleType, name: str) -> str:
             return f"{module.__name__}.{name}"
 
 
-def python() -> str:
-    """What the rooms export; a name that a room above has shown is listed under `boom_mj` once."""
-    lines, shown = (
-        ["# Python", "", "What `boom_mj` exports comes first, then what its rooms export besides.", ""],
-        set(),
-    )
+def python() -> dict[str, str]:
+    """A page per room of what it exports; a name that a room above has shown is on that room's page alone."""
+    pages, shown = {}, set()
     for room, paths in public_paths().items():
         new = [path for path in paths if path not in shown]
         shown |= set(new)
-        lines += [f"## {room}", "", inspect.getdoc(import_module(room)) or "", ""]
+        lines = [f"# {room}", "", inspect.getdoc(import_module(room)) or "", ""]
         for path in new:
-            lines += [f"::: {path}", "    options:", "      heading_level: 3"]
+            lines += [f"::: {path}", "    options:", "      heading_level: 2"]
             lines += ["      show_if_no_docstring: true", ""] if _is_table(path) else [""]
-    return "\n".join(lines)
+        pages[room] = "\n".join(lines)
+    return pages
+
+
+def python_page(room: str) -> str:
+    """Where the page of a room lies."""
+    return f"reference/python/{room}.md"
+
+
+def python_index() -> str:
+    """Every room with what it exports, each name a link to what is said of it."""
+    lines = [
+        "# Python",
+        "",
+        "Typed throughout. The names of the first row come with `from boom_mj import ..`.",
+        "",
+    ]
+    lines += ["| from | what | names |", "|---|---|---|"]
+    for room, text in python().items():
+        page = python_page(room).removeprefix("reference/")
+        names = re.findall(r"^::: (\S+)$", text, re.M)
+        links = ", ".join(f"[`{path.rpartition('.')[2]}`]({page}#{path})" for path in names)
+        about = (inspect.getdoc(import_module(room)) or "").partition("\n")[0]
+        lines.append(f"| [`{room}`]({page}) | {about} | {links} |")
+    return "\n".join(lines) + "\n"
 
 
 def _is_table(path: str) -> bool:

@@ -42,7 +42,12 @@ def waiting_cases(folder: Path, answers: Path) -> tuple[list[Path], int]:
 
 
 def answer_cases(
-    cases: Sequence[Path], machine: str, answers: Path, jobs: int = 1, cluster: str | None = None
+    cases: Sequence[Path],
+    machine: str,
+    answers: Path,
+    jobs: int = 1,
+    cluster: str | None = None,
+    most: int | None = None,
 ) -> Iterator[tuple[Path, Exception | None]]:
     """Diagnose cases and write CASE.json for each; yields every case as it ends, with what went wrong.
 
@@ -50,11 +55,11 @@ def answer_cases(
         machine: text of the nominal machine's file.
         answers: folder for the answers.
         jobs, cluster: see `spread`.
+        most: see `diagnose`.
     """
+    work = Equipped(partial(solve, machine=machine, most=most))
     with locked(answers):
-        for done in spread(
-            Equipped(partial(solve, machine=machine)), [case.resolve() for case in cases], jobs, cluster
-        ):
+        for done in spread(work, [case.resolve() for case in cases], jobs, cluster):
             try:
                 write_text(answers / f"{done.item.name}.json", done.result())
             except Exception as error:  # one bad case must not end the run
@@ -63,14 +68,14 @@ def answer_cases(
                 yield done.item, None
 
 
-def solve(case: Path, machine: str) -> str:
+def solve(case: Path, machine: str, most: int | None = None) -> str:
     """The answer to one case as JSON, by a process that can open nothing but the case."""
     began, spent = time.perf_counter(), time.process_time()
     effect_library()  # of other packages, too, before the door shuts
     with confined_to(case):
         without = tuple(read_json(case / "withhold.json", InputError)["without"])
         system, checked = checked_case(case, machine)
-        answer = diagnose(Predictor(system, checked.data, threads=1), without)
+        answer = diagnose(Predictor(system, checked.data, threads=1), without, most=most)
         found = document(answer, checked.names, checked.findings)
     took = {"wall_s": time.perf_counter() - began, "cpu_s": time.process_time() - spent}
     return json.dumps({**found, "without": without, **took}, indent=1)

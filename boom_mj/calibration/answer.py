@@ -88,7 +88,8 @@ def sentence(found: Calibration) -> str:
     """The result in words."""
     free, asked = len(found.refined.free.tied), len(found.whole.tied)
     widest = int(np.argmax(found.refined.deviation[:free]))
-    text = f"{free} of {asked} parameters calibrated" if free < asked else f"All {asked} parameters calibrated"
+    every = "The parameter is" if asked == 1 else f"All {asked} parameters are"
+    text = f"{free} of {asked} parameters calibrated" if free < asked else f"{every} calibrated"
     text += (
         f"; the least certain is {found.refined.free.names[widest]}, "
         f"to {Z95 * found.refined.deviation[widest]:.1%} (95 %)"

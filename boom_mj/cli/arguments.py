@@ -26,6 +26,10 @@ EXPERIMENTS = (  # names in `simulation.CATALOGUE`, which takes longer to import
 MachineFile = Annotated[str, typer.Argument(metavar="MACHINE.toml", help="Machine file, or a name such as boom36.")]
 Hinges = Annotated[int, typer.Option(min=1, max=32, help="Equivalent hinges per elastic coordinate of each link.")]
 Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Processes of this machine that share the work.")]
+Most = Annotated[
+    int | None,
+    typer.Option(min=1, metavar="N", help="Most causes of an explanation; what suits the machine if left out."),
+]
 AsJson = Annotated[bool, typer.Option("--json", help="One JSON document on stdout; `schema` says what it holds.")]
 Cluster = Annotated[
     str | None,

@@ -14,6 +14,7 @@ from boom_mj.cli.arguments import (
     Cluster,
     EffectFiles,
     Jobs,
+    Most,
     find_machine,
     machine_text,
     output_folder,
@@ -81,6 +82,7 @@ def run(
         Path | None, typer.Option("-o", metavar="DIR", help="Folder for the answers; DIR-answers if left out.")
     ] = None,
     cluster: Cluster = None,
+    most: Most = None,
     own_effects: EffectFiles = None,
     as_json: AsJson = False,
 ) -> None:
@@ -97,7 +99,7 @@ def run(
     done, failed = count - len(waiting), []
     with progress("answers") as report:
         report("answers", done, count)
-        for case, error in answer_cases(waiting, machine, answers, jobs, cluster):
+        for case, error in answer_cases(waiting, machine, answers, jobs, cluster, most):
             done += 1
             if error:
                 failed.append(case.name)

@@ -17,6 +17,7 @@ from boom_mj.cli.arguments import (
     EffectFiles,
     LogsMachine,
     ModelFile,
+    Most,
     Seconds,
     begins_afresh,
     output_folder,
@@ -144,10 +145,7 @@ def diagnose(
         list[Path] | None,
         typer.Option(metavar="LOGS...", help="Logs of the machine when it was well: what changed since is diagnosed."),
     ] = None,
-    most: Annotated[
-        int | None,
-        typer.Option(min=1, metavar="N", help="Most causes of an explanation; what suits the machine if left out."),
-    ] = None,
+    most: Most = None,
     seconds: Seconds = None,
     strict: Annotated[
         bool, typer.Option("--strict", help="Refuse logs with which anything is wrong, instead of using what is sound.")
@@ -158,7 +156,7 @@ def diagnose(
 
     Example: python -m boom_mj gap diagnose a.mcap b.mcap --holdout c.mcap --html gap.html -o corrected.toml
     """
-    from boom_mj.diagnosis import Diagnosis, built_with, causes, channel_steps, document
+    from boom_mj.diagnosis import Diagnosis, built_with, causes, channel_steps, document, reasons
     from boom_mj.diagnosis import diagnose as find
     from boom_mj.diagnosis.clock import Clock
     from boom_mj.effects import effect_library
@@ -199,7 +197,7 @@ def diagnose(
         if table is not None:
             write_text(table, text)
         if output is not None and isinstance(system, Corrects):
-            write_text(output, system.corrected(causes(found), built_with(found) if nuisances else ()))
+            write_text(output, system.corrected(causes(found), built_with(found) if nuisances else (), reasons(found)))
         if predictions is not None:
             with locked(predictions):
                 _write_predictions(found, predictions, paths if channels else list(map(Path, names)))

@@ -1,9 +1,12 @@
 """replay: the joint angles of a log drive the model."""
 
+import gc
 import json
 import math
 import sys
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -47,10 +50,9 @@ def command(
 
     Example: python -m boom_mj replay log.mcap --hinges 4 -o simulated.mcap --picture replay.png
     """
-    from boom_mj.logs import load_topic_map, read_log, write_mcap
-    from boom_mj.replay import replay, residual
+    from boom_mj.logs import load_topic_map, read_log
+    from boom_mj.replay import replay
     from boom_mj.replay.quality import assess
-    from boom_mj.sensors import boom_scene
     from boom_mj.simulation import make_plant
 
     for path, suffix in ((output, ".mcap"), (picture, ".png")):
@@ -66,18 +68,12 @@ def command(
     print(f"{recording.name}: {quality.summary()}", file=sys.stderr)
     for remark in quality.remarks():
         print(f"warning: {remark}", file=sys.stderr)
-    with ThreadPoolExecutor(1) as worker:  # works while MuJoCo computes, and while the picture is drawn
+    with _uncollected(), ThreadPoolExecutor(1) as worker:  # works while MuJoCo computes, and while the picture is drawn
         if picture is not None:
             worker.submit(import_module, "boom_mj.report.overlay")
         with last_states_beside(output):
             result = replay(plant, recording)
-        writing = None
-        if output is not None:
-            scene = boom_scene(result.trajectory, recording["joint/position"].time[0])
-            beside = {"/measured": result.log}
-            if with_residual:
-                beside["/residual"] = residual(result.log, result.twin)
-            writing = worker.submit(write_mcap, result.twin, output, beside=beside, scene=scene)
+        writing = None if output is None else worker.submit(_write, result, output, with_residual)
         if picture is not None:
             from boom_mj.report import draw_overlay
 
@@ -88,6 +84,29 @@ def command(
     for path in (output, picture):
         if path is not None:
             print(f"wrote {path}", file=sys.stderr)
+
+
+def _write(result: "Replay", path: Path, with_residual: bool) -> None:
+    """The simulated recording beside what was measured."""
+    from boom_mj.logs import write_mcap
+    from boom_mj.replay import residual
+    from boom_mj.sensors import boom_scene
+
+    beside = {"/measured": result.log}
+    if with_residual:
+        beside["/residual"] = residual(result.log, result.twin)
+    scene = boom_scene(result.trajectory, result.log["joint/position"].time[0])
+    write_mcap(result.twin, path, beside=beside, scene=scene)
+
+
+@contextmanager
+def _uncollected() -> Iterator[None]:
+    """No garbage collection: while a picture grows it would walk over all modules again and again, and find nothing."""
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.enable()
 
 
 def _document(result: "Replay", quality: "Quality", hinges: int) -> dict:

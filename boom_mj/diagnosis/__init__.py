@@ -10,4 +10,5 @@ from boom_mj.diagnosis.predictions import explanation as explanation
 from boom_mj.diagnosis.predictions import nominal_predictor as nominal_predictor
 from boom_mj.diagnosis.predictions import simulated_recording as simulated_recording
 from boom_mj.diagnosis.predictions import steps as steps
+from boom_mj.diagnosis.reasons import reasons as reasons
 from boom_mj.diagnosis.steps import channel_steps as channel_steps

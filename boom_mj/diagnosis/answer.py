@@ -8,7 +8,7 @@ import numpy as np
 
 from boom_mj.diagnosis.diagnose import Diagnosis
 from boom_mj.diagnosis.localisation import in_words, locate, looks_like
-from boom_mj.diagnosis.named import brief, described
+from boom_mj.diagnosis.named import brief, described, named_as_causes
 from boom_mj.diagnosis.predictions import estimated_nuisances, nuisances
 from boom_mj.diagnosis.sentences import rival, sentence
 from boom_mj.diagnosis.steps import ChannelSteps, nuisance_sizes
@@ -49,7 +49,7 @@ def document(
     listed = [vars(cell) for cell in cells if cell.share >= found.criteria.shown_share]
     rest = 1 - sum(cell["share"] for cell in listed)
     causes = described(found) if best else []
-    named = found.sure if found.verdict == "partial" else [found.verdict != "unexplained"] * len(causes)
+    named = named_as_causes(found)
     budget = _budget(found) if any(named) else []
     remainder = None if found.solved or found.verdict == "consistent" else _remainder(found)
     answer = {

@@ -16,7 +16,7 @@ from boom_mj.diagnosis.latent import latent_input_of
 from boom_mj.effects import Effect
 from boom_mj.estimation.dataset import Dataset
 from boom_mj.estimation.latent_input import NONE, LatentInput
-from boom_mj.estimation.linear import LinearPosterior
+from boom_mj.estimation.linear import Basis, LinearPosterior
 from boom_mj.estimation.noise import NoiseModel, noise_model
 from boom_mj.systems.fidelity import Level
 from boom_mj.systems.predictor import Predictor
@@ -73,7 +73,7 @@ class Linearisation:
     @property
     def columns(self) -> Array:
         """What nuisances change per prior deviation, (N, m)."""
-        return self.posterior.columns
+        return self.posterior.basis.columns
 
     @property
     def latent(self) -> LatentInput | None:
@@ -100,7 +100,8 @@ class Linearisation:
 
     def with_noise(self, noise: NoiseModel, columns: Array | None = None) -> "Linearisation":
         """With another noise model, and perhaps other columns."""
-        return replace(self, posterior=LinearPosterior(noise, self.columns if columns is None else columns))
+        basis = Basis(noise, self.columns if columns is None else columns)
+        return replace(self, posterior=LinearPosterior(basis, _there(self.nuisances)))
 
     @property
     def coarse(self) -> "Linearisation":
@@ -117,8 +118,8 @@ class Linearisation:
         """Without nuisances that effects leave nothing of, and with the latent inputs that they have."""
         found, nuisances = self, tuple(t.conditional_on(effects) for t in self.nuisances)
         if nuisances != self.nuisances:
-            kept = self.columns * [bool(t.hypothesis) for t in nuisances]
-            found = replace(self.with_noise(self.noise, kept), nuisances=nuisances)
+            left = LinearPosterior(self.posterior.basis, _there(nuisances))
+            found = replace(self, posterior=left, nuisances=nuisances)
         return found.with_latent(effects)
 
     def with_latent(self, effects: Hypothesis, training_only: bool = False) -> "Linearisation":
@@ -144,7 +145,9 @@ class Linearisation:
         recordings = self.data.trained if training_only else None
         middle = self.facts.fidelity.middle
         (base,) = self.predictor.predict([(*effects, *individual)], middle, recordings)
-        return replace(found, effects=effects, individual=individual, base=base - found.columns @ estimate)
+        return replace(
+            found, effects=effects, individual=individual, base=base - found.columns @ estimate.astype(np.float32)
+        )
 
     def relinearised(self, effects: Hypothesis, estimate: Array) -> "Linearisation":
         """About a machine that has effects and nuisances: a heavier boom swings slower, with its own model error.
@@ -182,7 +185,7 @@ def linearise(
     predictor.ahead([()], *(check.level for check in fidelity.checks), fidelity.middle)
     coarse, *shifted = predictor.predict([(), *(t.hypothesis for t in nuisances)], fidelity.coarse)
     columns = [(s - coarse) * t.deviation for s, t in zip(shifted, nuisances)]
-    posterior = LinearPosterior(NoiseModel(predictor.data, empty, empty), empty[:, None])
+    posterior = LinearPosterior.of(NoiseModel(predictor.data, empty, empty), empty[:, None])
     about = Linearisation(
         predictor,
         effects=(),
@@ -197,6 +200,11 @@ def linearise(
         budget=budget or SearchBudget(),
     )
     return _weighed(about, columns, np.zeros(len(columns)))
+
+
+def _there(nuisances: Sequence[Nuisance]) -> Array:
+    """Which nuisances are some, (m,) of bool."""
+    return np.array([bool(nuisance.hypothesis) for nuisance in nuisances], bool)
 
 
 def of_size(nuisances: Sequence[Nuisance], estimate: Array) -> Hypothesis:
@@ -223,5 +231,7 @@ def _weighed(about: Linearisation, columns: Sequence[Array], estimate: Array) ->
     missing = np.array([check.missing for check in fidelity.checks]) @ changes
     doubt = np.array([check.doubtful for check in fidelity.checks]) @ changes
     noise = noise_model(about.data, doubt, fidelity.along)
-    clean = np.array([np.nan_to_num(column) for column in columns]).reshape(len(columns), len(base)).T
-    return replace(about.with_noise(noise, clean), base=base - clean @ estimate, mean_error=missing)
+    clean = np.empty((len(base), len(columns)), np.float32)
+    for k, column in enumerate(columns):
+        clean[:, k] = np.nan_to_num(column)
+    return replace(about.with_noise(noise, clean), base=base - clean @ estimate.astype(np.float32), mean_error=missing)

@@ -45,6 +45,13 @@ def described(found: Diagnosis) -> list[dict[str, Any]]:
     return entries
 
 
+def named_as_causes(found: Diagnosis) -> tuple[bool, ...]:
+    """Of the effects of the best explanation, which the verdict names; the others are suspects."""
+    if found.verdict == "partial":
+        return tuple(found.sure)
+    return (found.verdict != "unexplained",) * (len(found.best.fit.effects) if found.best else 0)
+
+
 def interval_of(scored: Scored, number: int) -> tuple[float, float, float]:
     """A parameter's value, and the ends of its 95 % interval."""
     owner, name, parameter = scored.fit.candidate.parameters[number]

@@ -71,7 +71,7 @@ DRIVE = (
     _ripple("position", "{F}", "{x}"),
     _term("memory", "lagged(time, speed, tau)", "{F} s/{x}", TAU),
     _term("dry_memory", f"lagged(time, {DRY}, tau)", "{F}", TAU),
-    _term("after_stop", f"lagged(time, {DRY}, tau) * (1 - abs({DRY}))", "{F}", TAU),
+    _term("after_stop", f"fading(time, {DRY}, tau)", "{F}", TAU),
 )
 """Of what drives: a cylinder, or the joint of any machine."""
 CYLINDER = (*DRIVE, _term("load_angle", "load * angle", "1/rad"))
@@ -84,7 +84,12 @@ SENSOR = (
     _term("drifting_scale", "reading * time", "1/s"),
 )
 CHANNEL = SENSOR
-IMU = (*SENSOR, _term("tilt", "angle", "{F}/rad"), _term("scale_angle", "reading * angle", "1/rad"))
+IMU = (
+    _term("offset", "ones_like(reading)", "{F}"),
+    *SENSOR,
+    _term("tilt", "angle", "{F}/rad"),
+    _term("scale_angle", "reading * angle", "1/rad"),
+)
 ANGLE = (
     _term("scale", "angle", "1"),
     _term("square", "angle**2", "1/rad"),
@@ -100,6 +105,8 @@ ACTUATOR = (
     _term("odd_square", "abs(command) * command", "1/({x})"),
 )
 LINK = (
+    _term("linear", "E I curvature", "1"),
+    _term("offset", "E I", "1/m"),
     _term("cube", "E I curvature^3", "m^2"),
     _term("square", "E I curvature^2", "m"),
     Term(
@@ -108,7 +115,11 @@ LINK = (
         Shape("stop", "rad", "threshold"),
     ),
 )
-TIP = (_term("drag", "-|velocity| velocity", "N s^2/m^2"), _term("weight", "downwards", "N"))
+TIP = (
+    _term("drag", "-|velocity| velocity", "N s^2/m^2"),
+    _term("weight", "downwards", "N"),
+    _term("inertia", "-acceleration", "kg"),
+)
 GRAMMARS: Mapping[str, tuple[Term, ...]] = {
     "CylinderLaw": CYLINDER,
     "JointLaw": DRIVE,

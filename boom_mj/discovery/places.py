@@ -19,6 +19,7 @@ THRESHOLDS = 12  # within a variable's range
 TIMES = (0.1, 0.3, 1.0, 3.0, 10.0)  # s, of memories
 NAMES = {name: getattr(np, name) for name in ("sin", "cos", "pi", "maximum", "minimum", "ones_like", "abs")} | {
     "direction": laws.direction,
+    "fading": laws.fading,
     "lagged": laws.lagged,
 }
 """What formulas may call."""

@@ -21,7 +21,7 @@ LEAST = 0.1  # of what a joint's actuator exerts, that a law of it is worth find
 BEND = 0.02  # rad, slope that a link of the loaded boom gathers
 SHARE = 0.3  # of a link's stiffness at that slope
 STOPS = 4  # thresholds of a link's stop that are tried: each costs a simulation
-TIP = {"drag": 20.0, "weight": 200.0}  # N s^2/m^2 and N
+TIP = {"drag": 20.0, "weight": 200.0, "inertia": 20.0}  # N s^2/m^2, N and kg
 
 
 class Motions:
@@ -107,7 +107,9 @@ def _angle(base: type[Effect], site: Site, motions: Motions) -> Iterator[Place]:
 
 def _link(base: type[Effect], site: Site, motions: Motions) -> Iterator[Place]:
     link = _machine(motions.model).links[int(site.location["link"]) - 2]
-    sizes = {"cube": SHARE * (link.length / BEND) ** 2, "square": SHARE * link.length / BEND, "stop_stiffness": 1e6}
+    bent = BEND / link.length
+    sizes = {"linear": SHARE, "offset": SHARE * bent, "square": SHARE / bent, "cube": SHARE / bent**2}
+    sizes["stop_stiffness"] = 1e6
     slope = {"slope": np.linspace(-BEND, BEND, 9)}
     for bends, way in (("v", "vertical"), ("w", "lateral")):
         acts = f"the {way} bending of link {site.location['link']}"

@@ -10,7 +10,7 @@ from boom_mj.discovery.search import FoundLaw
 from boom_mj.effects.laws import Law
 
 DIGITS = 4
-HELPERS = ("direction", "lagged")
+HELPERS = ("direction", "fading", "lagged")
 FILE = '''"""{title}
 
 {story}

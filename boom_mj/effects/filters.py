@@ -20,6 +20,17 @@ def lagged(time: Array, values: Array, constant: float) -> Array:
     return lfilter([1 - keep], [1, -keep], values, zi=[keep * values[0]])[0]
 
 
+def fading(time: Array, direction: Array, constant: float) -> Array:
+    """After each stop the direction of the motion that ended, fallen to 1/e after `constant`, s; in motion 0, (n,).
+
+    Args:
+        direction: -1 to 1, (n,); it moves where it is beyond a half.
+    """
+    moving = np.abs(direction) > 0.5
+    last = np.maximum.accumulate(np.where(moving, np.arange(len(time)), 0))
+    return np.where(moving, 0.0, np.round(direction[last]) * np.exp((time[last] - time) / constant))
+
+
 def led(time: Array, values: Array, constant: float) -> Array:
     """What a first-order low-pass has made these values of, (n,)."""
     return values if constant <= 0 else values + constant * np.gradient(values, time)

@@ -13,6 +13,7 @@ import mujoco
 import numpy as np
 
 from boom_mj.effects.base import Array, Effect
+from boom_mj.effects.filters import fading as fading
 from boom_mj.effects.filters import lagged as lagged
 from boom_mj.effects.kinds import (
     INVERSIONS,
@@ -141,10 +142,11 @@ class AngleLaw(Law, AngleEffect):
 
 
 class LinkLaw(Law, ModelEffect):
-    """How a link resists bending besides: M = E I k (1 + square k + cube k^2) over its curvature k, and a stop.
+    """How a link resists bending: M = E I k (1 + linear + square k + cube k^2), and a stop.
 
+    k is its curvature less the one at which it rests, `offset`.
     The stop is a spring over the slope that the whole link gathers, beyond `stop` towards positive angles. Its table
-    holds `square` (m), `cube` (m^2), or `stop_stiffness` (N m/rad) and `stop` (rad).
+    holds `linear`, `offset` (1/m), `square` (m), `cube` (m^2), or `stop_stiffness` (N m/rad) and `stop` (rad).
 
     Attributes:
         bends: v or w.
@@ -163,7 +165,9 @@ class LinkLaw(Law, ModelEffect):
         for hinge, length in bent_by(spec, machine, link, self.bends):
             linear, square, cube = hinge.stiffness
             square = square + linear * values.get("square", 0.0) / length
-            hinge.stiffness = [linear, square, cube + linear * values.get("cube", 0.0) / length**2]
+            cube = cube + linear * values.get("cube", 0.0) / length**2
+            hinge.stiffness = [linear * (1 + values.get("linear", 0.0)), square, cube]
+            hinge.springref += values.get("offset", 0.0) * length
         if stiffness := values.get("stop_stiffness"):
             stop = spec.add_tendon(name=f"stop_link{link}_{self.bends}")
             for hinge in link_hinges(spec, link, self.bends):
@@ -172,21 +176,25 @@ class LinkLaw(Law, ModelEffect):
 
 
 class TipLaw(Law, ModelEffect, ForceEffect):
-    """A force on the tip: a constant one downwards, and drag against the tip's velocity, c |v| v.
+    """A force on the tip: a constant one downwards, inertia, and drag against the tip's velocity, c |v| v.
 
-    Its table holds `weight` (N), `drag` (N s^2/m^2) or both. MuJoCo's drag of an ellipsoid in a fluid is the drag:
-    rho C A = c, so thin that the boom's own surfaces feel nothing of it.
+    Its table holds any of `weight` (N), `inertia` (kg, not negative) and `drag` (N s^2/m^2). What has inertia and no
+    weight is a body whose gravity is compensated. MuJoCo's drag of an ellipsoid in a fluid is the drag: rho C A = c, so
+    thin that the boom's own surfaces feel nothing of it.
     """
 
     needs = frozenset({"boom"})
-    variables = {"velocity": "m/s"}
+    variables = {"velocity": "m/s", "acceleration": "m/s^2"}
     unit = "N"
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
+        tip = spec.site("tip")
+        if (inertia := self.values.get("inertia", 0.0)) > 0:
+            body = tip.parent.add_body(name="inertia", explicitinertial=True, gravcomp=1.0)
+            body.mass, body.ipos, body.inertia = inertia, tip.pos, [1e-3, 1e-3, 1e-3]
         if not (drag := self.values.get("drag", 0.0)):
             return
         spec.option.density = THIN
-        tip = spec.site("tip")
         ball = tip.parent.add_geom(name="ball", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[BALL, 0, 0], pos=tip.pos)
         ball.mass, ball.contype, ball.conaffinity, ball.fluid_ellipsoid = 0.0, 0, 0, 1.0
         ball.fluid_coefs = [drag / (THIN * np.pi * BALL**2), 0.0, 0.0, 0.0, 0.0]

@@ -8,8 +8,10 @@ is the inner product in which hypotheses are screened and fitted. A nuisance nev
 that would is held there and leaves B.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
@@ -18,12 +20,13 @@ from scipy.optimize import lsq_linear
 from boom_mj.estimation.noise import NoiseModel
 
 Array = np.ndarray
+ROWS = 4096  # of single precision that are multiplied at once, in double precision
 LIMIT = 2.5  # prior deviations: what goes further is no nuisance but a cause
 
 
 @dataclass(frozen=True, eq=False)
-class LinearPosterior:
-    """Nuisances of a dataset.
+class Basis:
+    """What nuisances change, whitened: of single precision, by far finer than noise; products are of double.
 
     Attributes:
         noise: that whitens.
@@ -34,43 +37,90 @@ class LinearPosterior:
     columns: Array
 
     @cached_property
-    def basis(self) -> Array:
+    def whole(self) -> Array:
         """Whitened columns, (N, m)."""
-        return np.array([self.noise.white(column) for column in self.columns.T]).reshape(self.columns.T.shape).T
+        found = np.empty(self.columns.shape, np.float32)
+        for k, column in enumerate(self.columns.T):
+            found[:, k] = self.noise.white(column)
+        return found
 
     @cached_property
     def trained(self) -> Array:
-        """The basis on the training entries, (training, m)."""
-        return self.basis[self.noise.data.train]
+        """The same on the training entries: B, (training, m)."""
+        return self.whole[self.noise.data.train]
 
     @cached_property
     def curvature(self) -> Array:
-        """1 + B^T B over the training entries, (m, m)."""
-        return np.eye(self.columns.shape[1]) + self.trained.T @ self.trained
+        """1 + B^T B, (m, m)."""
+        parts = (part.astype(float) for part in _rows(self.trained))
+        return sum((part.T @ part for part in parts), np.eye(self.columns.shape[1]))
+
+    def slopes(self, white: Array) -> Array:
+        """B^T y of whitened training entries y, (training,) or (training, k); (m,) or (m, k)."""
+        parts = (part.T.astype(float) @ own for part, own in zip(_rows(self.trained), _rows(white)))
+        return sum(parts, np.zeros((self.columns.shape[1], *white.shape[1:])))
+
+
+@dataclass(frozen=True, eq=False)
+class LinearPosterior:
+    """Nuisances of a dataset.
+
+    Attributes:
+        basis: what they change.
+        some: which of them there are, (m,) of bool.
+    """
+
+    basis: Basis
+    some: Array
+
+    @classmethod
+    def of(cls, noise: NoiseModel, columns: Array) -> Self:
+        """Of nuisances that there all are; see `Basis`."""
+        return cls(Basis(noise, columns), np.ones(columns.shape[1], bool))
+
+    @property
+    def noise(self) -> NoiseModel:
+        return self.basis.noise
+
+    @property
+    def trained(self) -> Array:
+        """Whitened columns on the training entries, 0 for nuisances that there are not, (training, m)."""
+        return self.basis.trained if self.some.all() else self.basis.trained * self.some
+
+    @cached_property
+    def _root(self) -> Array:
+        """Upper root of the curvature of those that there are."""
+        return cholesky(self.basis.curvature[np.ix_(self.some, self.some)])
 
     def estimate(self, white: Array) -> Array:
         """Nuisances that whitened training entries ask for, in units of their prior deviation, within +-LIMIT, (m,)."""
-        if not self.columns.shape[1]:
-            return np.zeros(0)
-        slope = self.trained.T @ white[self.noise.data.train]
-        root = cholesky(self.curvature)  # upper: |root x - root^-T slope|^2 is what x minimises
-        return lsq_linear(root, solve_triangular(root, slope, trans="T"), (-LIMIT, LIMIT)).x
+        found = np.zeros(len(self.some))
+        if self.some.any():  # |root x - root^-T slope|^2 is what x minimises
+            slope = solve_triangular(self._root, self.basis.slopes(white[self.noise.data.train])[self.some], trans="T")
+            found[self.some] = lsq_linear(self._root, slope, (-LIMIT, LIMIT)).x
+        return found
 
     def free(self, estimate: Array) -> Array:
-        """Nuisances that are not at their limit, (m,) of bool."""
-        return np.abs(estimate) < LIMIT * (1 - 1e-6)
+        """Nuisances that there are and that are not at their limit, (m,) of bool."""
+        return self.some & (np.abs(estimate) < LIMIT * (1 - 1e-6))
 
     def clean(self, white: Array) -> Array:
         """A whitened residual (N,) without what nuisances explain of its training entries."""
-        return white - self.basis @ self.estimate(white)
+        return white - self.basis.whole @ self.estimate(white).astype(np.float32)
 
     def left(self, white: Array) -> tuple[Array, Array]:
         """What nuisances leave of whitened training entries, (training,), and the nuisances, (m,)."""
         estimate = self.estimate(white)
-        return white[self.noise.data.train] - self.trained @ estimate, estimate
+        return white[self.noise.data.train] - self.basis.trained @ estimate.astype(np.float32), estimate
 
     def project(self, columns: Array, free: Array) -> Array:
         """Whitened columns (N, k) as they are felt while the free nuisances follow."""
-        inner = self.curvature[np.ix_(free, free)]
-        follow = np.linalg.solve(inner, self.trained[:, free].T @ columns[self.noise.data.train])
-        return columns - self.basis[:, free] @ follow
+        free, follow = free & self.some, np.zeros((len(free), columns.shape[1]), np.float32)
+        slopes = self.basis.slopes(columns[self.noise.data.train])[free]
+        follow[free] = np.linalg.solve(self.basis.curvature[np.ix_(free, free)], slopes)
+        return columns - self.basis.whole @ follow
+
+
+def _rows(matrix: Array) -> Iterator[Array]:
+    """A matrix by its rows, some at a time."""
+    return (matrix[start : start + ROWS] for start in range(0, len(matrix), ROWS))

@@ -1,5 +1,7 @@
 """Gauss rules of any measure: few nodes and weights that integrate polynomials against it exactly."""
 
+from functools import cache
+
 import numpy as np
 from numpy.polynomial.legendre import leggauss, legvander
 
@@ -8,8 +10,13 @@ Array = np.ndarray
 
 def points(start: float, stop: float, order: int) -> tuple[Array, Array]:
     """Gauss-Legendre points and weights of an interval, (order,) each: exact to degree 2 order - 1."""
-    node, weight = leggauss(order)
+    node, weight = _legendre(order)
     return start + (stop - start) * (node + 1) / 2, (stop - start) / 2 * weight
+
+
+@cache
+def _legendre(order: int) -> tuple[Array, Array]:
+    return leggauss(order)
 
 
 def gauss_rule(x: Array, measure: Array, count: int) -> tuple[Array, Array]:

@@ -65,7 +65,8 @@ def _inline(text: str, name: str, description: str, width: float, height: float)
     body = re.sub(r"(\d\.\d\d)\d+", r"\1", body)
     body = re.sub(r'(id="|url\(#|href="#)', rf"\1{name}-", body)
     label = str(Markup.escape(description))
-    return f'<svg viewBox="0 0 {width:g} {height:g}" role="img" aria-label="{label}">{body}'
+    size = f'viewBox="0 0 {width:g} {height:g}" style="--natural: {width:g}px"'
+    return f'<div class="drawing"><svg {size} role="img" aria-label="{label}">{body.rstrip()}</div>'
 
 
 def envelope(time: Array, values: Array) -> tuple[Array, Array]:

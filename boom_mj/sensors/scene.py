@@ -39,7 +39,7 @@ def boom_scene(trajectory: Trajectory, start: float = 0.0, fixed: Mapping[str, P
             bodies[frame] = next((body for body, end in segments if middle <= end), segments[-1][0])
             shapes[frame] = box_corners(machine, index, *cuts[piece : piece + 2])[list(FACES)]
         bodies[f"{link.name}_tip"] = model.site(f"imu_{link.name}").bodyid[0]
-    data, which = mujoco.MjData(model), list(bodies.values())
+    data, which = mujoco.MjData(model), np.array([*bodies.values()])
     steps = np.arange(0, len(trajectory.time), max(1, round(1 / RATE / model.opt.timestep)))
     position = np.empty((len(steps), len(which) + len(fixed), 3))
     quaternion = np.empty((*position.shape[:2], 4))

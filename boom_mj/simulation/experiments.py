@@ -90,12 +90,16 @@ class Experiment(_Frozen):
     chirp: tuple[Chirp, ...] = ()
 
     def joint_path(self, time: Array) -> tuple[Array, Array, Array]:
-        """Reference angle (rad), velocity and acceleration of joints 1-5 at the given times, each (n, 5)."""
+        """Reference angle (rad), velocity and acceleration of joints 1-5 at increasing times, each (n, 5)."""
         path = np.zeros((3, len(time), 5))
         path[0] = np.radians(self.pose_deg)
         motions: tuple[Move | Chirp, ...] = (*self.move, *self.chirp)
         for motion in motions:
-            path[:, :, motion.joint - 1] += np.array(motion.path(np.asarray(time, float)))
+            stop = motion.start + motion.duration
+            first, last = np.searchsorted(time, (motion.start, stop))
+            moved = np.array(motion.path(np.append(time[first:last], stop)))
+            path[:, first:last, motion.joint - 1] += moved[:, :-1]
+            path[:, last:, motion.joint - 1] += moved[:, -1:]
         return path[0], path[1], path[2]
 
     def tip_force(self, time: Array) -> Array:

@@ -67,17 +67,31 @@ class Trajectory:
         return cylinder_forces(self.plant.machine, self.joints, self.joint_torque)
 
 
-def driven_model(plant: Plant) -> mujoco.MjModel:
-    """A copy of the plant's model whose joints follow their reference whatever the boom does."""
+def driven_model(plant: Plant, loaded: bool = True) -> mujoco.MjModel:
+    """A copy of the plant's model whose joints follow their reference whatever the boom does.
+
+    Args:
+        loaded: whether the rope pulls; MuJoCo spends a twentieth of a step on where it pulls.
+    """
     model = copy(plant.model)
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_LIMIT | mujoco.mjtDisableBit.mjDSBL_CONTACT
+    if not (model.neq or model.dof_frictionloss.any() or model.tendon_frictionloss.any()):
+        model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
     model.dof_armature[plant.joints] = ARMATURE
     for k in range(JOINTS):
         drive = model.actuator(f"drive{k + 1}")
         drive.gainprm[0], drive.biasprm[:3] = ARMATURE * SERVO**2, (0, -ARMATURE * SERVO**2, 0)
         drive.ctrllimited = False
+    if not loaded:  # the rope hangs on a joint that it cannot turn
+        rope = _rope(model)
+        model.actuator_trntype[rope], model.actuator_trnid[rope] = mujoco.mjtTrn.mjTRN_JOINT, (0, -1)
+        model.actuator_gear[rope] = 0
     mujoco.mj_setConst(model, mujoco.MjData(model))
     return model
+
+
+def _rope(model: mujoco.MjModel) -> list[int]:
+    return [model.actuator(f"rope_{axis}").id for axis in "xyz"]
 
 
 def run_experiment(plant: Plant, experiment: Experiment) -> Trajectory:
@@ -117,13 +131,13 @@ def run(plant: Plant, angles: Array, tip_force: Array) -> Trajectory:
     Raises:
         SimulationError: the state is no longer finite; when and where, and the last states.
     """
-    model, step = driven_model(plant), plant.model.opt.timestep
+    model, step = driven_model(plant, bool(np.any(tip_force))), plant.model.opt.timestep
     path = np.vstack([2 * angles[0] - angles[1], angles, 2 * angles[-1] - angles[-2]])
     speed = np.diff(path, axis=0) / step  # (n + 1, 5): half a step before and after each time
     control = np.zeros((len(angles), model.nu))
     drives = [model.actuator(f"drive{k + 1}").id for k in range(JOINTS)]
     control[:, drives] = angles + np.diff(speed, axis=0) / step / SERVO**2
-    control[:, [model.actuator(f"rope_{axis}").id for axis in "xyz"]] = tip_force
+    control[:, _rope(model)] = tip_force
     pushes = _pushes(plant, step * np.arange(len(angles)), angles)
     for site, force in pushes.items():
         control[:, [model.actuator(f"push_{site}_{axis}").id for axis in "xyz"]] = force
@@ -146,13 +160,16 @@ def run(plant: Plant, angles: Array, tip_force: Array) -> Trajectory:
     if not np.all(np.isfinite(qpos[0, -1])) or warned.any():
         raise diverged(model, qpos[0], qvel[0], warned, plant.machine.name)
 
+    centred = qvel[0, :-1]
+    centred += qvel[0, 1:]
+    centred /= 2
     torque = record["actuator_force"][0][:, drives] - ARMATURE * record["qacc"][0][:, plant.joints]
     return Trajectory(
         plant=plant,
         time=step * np.arange(len(angles)),
         joints=qpos[0, :-1, plant.joints].T,
         qpos=qpos[0, :-1],
-        qvel=(qvel[0, :-1] + qvel[0, 1:]) / 2,
+        qvel=centred,
         joint_torque=torque,
         tip_force=np.asarray(tip_force),
         sensordata=_centre_gyros(model, record["sensordata"][0]),

@@ -9,12 +9,14 @@ from boom_mj.estimation.dataset import Dataset
 from boom_mj.recording import Recording, Signal
 from boom_mj.systems.fidelity import Level
 from boom_mj.systems.system import (
+    NO_REASONS,
     ChannelPlace,
     Corrects,
     Designs,
     Hypothesis,
     LinearResponse,
     Nuisance,
+    Reasons,
     ResidualForce,
     ResidualForces,
     System,
@@ -73,10 +75,10 @@ class AsBuilt:
         """Of the system, if it knows its experiments."""
         return self.system.next_experiment(rivals, done) if isinstance(self.system, Designs) else None
 
-    def corrected(self, causes: Hypothesis, nuisances: Hypothesis = ()) -> str:
+    def corrected(self, causes: Hypothesis, nuisances: Hypothesis = (), reasons: Reasons = NO_REASONS) -> str:
         """Its file with effects in it; what it was built with is one of its nuisances."""
         assert isinstance(self.system, Corrects)
-        return self.system.corrected(causes, nuisances)
+        return self.system.corrected(causes, nuisances, reasons)
 
     def column(self, effect: Effect, data: Dataset, nuisances: Array) -> Array | None:
         """Of the system, if it knows responses."""

@@ -5,6 +5,7 @@ A boom is a system (`boom/`), an MJCF file with a channel map is another (`mjcf/
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -16,6 +17,8 @@ from boom_mj.systems.fidelity import FidelityLadder, Level
 
 Array = np.ndarray
 Hypothesis = tuple[Effect, ...]
+Reasons = Mapping[tuple[Effect, str], str]  # why a file holds an effect, (effect, "id"), or a number, (effect, name)
+NO_REASONS: Reasons = MappingProxyType({})
 Band = tuple[str, float]  # name, upper edge in Hz
 
 
@@ -200,8 +203,11 @@ class Designs(Protocol):
 class Corrects(Protocol):
     """A system whose file can hold effects."""
 
-    def corrected(self, causes: Hypothesis, nuisances: Hypothesis = ()) -> str:
-        """The text of its file with effects in it: those of an explanation, and nuisances as they were estimated."""
+    def corrected(self, causes: Hypothesis, nuisances: Hypothesis = (), reasons: Reasons = NO_REASONS) -> str:
+        """The text of its file with effects in it: those of an explanation, and nuisances as they were estimated.
+
+        Comments say why: cause or nuisance, and `reasons` line by line.
+        """
 
 
 @runtime_checkable

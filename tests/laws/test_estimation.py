@@ -76,7 +76,7 @@ def model_error(rng: np.random.Generator) -> tuple[Array, Array]:
 
 def posterior(error: Array, of: Dataset, nuisances: Array) -> LinearPosterior:
     weight = np.where(of.used, 1 / of.noise, 0.0)
-    return LinearPosterior(NoiseModel(of, weight, error), nuisances)
+    return LinearPosterior.of(NoiseModel(of, weight, error), nuisances)
 
 
 def estimated(
@@ -94,7 +94,7 @@ def estimated(
     fit = Fit(SimpleNamespace(), found, (), residual, np.where(train[:, None], jacobian, 0.0), 0.0)
     about_it = {
         "facts": SimpleNamespace(repeat_s=None),
-        "nuisances": range(about.columns.shape[1]),
+        "nuisances": range(len(about.some)),
         "criteria": criteria,
     }
     model = SimpleNamespace(data=about.noise.data, posterior=about, **about_it)
@@ -183,7 +183,7 @@ def test_a_nuisance_that_goes_further_is_held_at_its_limit() -> None:
     about = posterior(np.zeros(len(changes)), data(), nuisances)
     estimate = about.estimate(about.noise.white(nuisances @ [0.0, 5.0, -5.0, 1.0]))
     assert estimate[1:3] == pytest.approx([LIMIT, -LIMIT]) and list(about.free(estimate)) == [True, False, False, True]
-    bare = LinearPosterior(about.noise, nuisances[:, :0])
+    bare = LinearPosterior.of(about.noise, nuisances[:, :0])
     white = about.noise.white(changes[:, 0])
     assert bare.estimate(white).shape == (0,) and np.array_equal(bare.clean(white), white)
 

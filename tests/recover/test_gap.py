@@ -3,6 +3,7 @@
 The machine that is measured has six hinges per coordinate, zero offsets and noise; the diagnosis works with four.
 """
 
+import re
 from functools import cache
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from boom_mj.diagnosis import (
     document,
     estimated_nuisances,
     explanation,
+    reasons,
 )
 from boom_mj.diagnosis.candidate import Candidate
 from boom_mj.diagnosis.diagnose import simplest_gap
@@ -81,7 +83,10 @@ def test_a_payload_comes_back() -> None:
     mass = effect["parameters"]["mass"]
     assert mass["value"] == pytest.approx(45, rel=0.03) and mass["low"] < 45 < mass["high"]
     assert answer["gap"]["closure"] > 0.9
-    corrected = parse_machine(SYSTEM.corrected(causes(found), estimated_nuisances(found)))
+    text = SYSTEM.corrected(causes(found), estimated_nuisances(found), reasons(found))
+    numbers = re.findall(r"^(?:offset|factor|mass|bias) = .*$", text.removeprefix(SYSTEM.text.rstrip()), re.M)
+    assert len(numbers) > 5 and all("  # how much: estimate; " in line for line in numbers)
+    corrected = parse_machine(text)
     ids = [entry.id for entry in corrected.effect]
     assert (ids[0], ids[-1], ids.count("tip_payload")) == ("joint_zero_offset", "tip_payload", 1)
     assert with_effects(BOOM, explanation(found)) == corrected

@@ -37,7 +37,7 @@ def model() -> Linearisation:
         level=fidelity.coarse,
         base=np.zeros(len(weight)),
         mean_error=error,
-        posterior=LinearPosterior(NoiseModel(data, weight, fidelity.along * error), columns),
+        posterior=LinearPosterior.of(NoiseModel(data, weight, fidelity.along * error), columns),
         nuisances=nuisances,
         all_nuisances=nuisances,
         criteria=BOOM,

@@ -4,9 +4,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import zstandard
 from mcap.writer import CompressionType, Writer
 
 from boom_mj.logs import write_mcap
+from boom_mj.logs.container import LEVEL
 from boom_mj.logs.messages import make, typestore
 from boom_mj.logs.scene import TYPES, frames, shapes
 from boom_mj.logs.serialising import serialise, stamp_of
@@ -86,6 +88,7 @@ def test_bulk_and_one_by_one_agree_to_the_byte(seed: int, tmp_path: Path, monkey
     header = make("std_msgs/msg/Header", stamp=stamp_of(7), frame_id="camera")
     picture = make("sensor_msgs/msg/CompressedImage", header=header, format="png", data=image)
     extra = [(stamp, "/camera", picture) for stamp in (7, 8, 10**9, 10**9 + 1, 3, 4)]
+    monkeypatch.setattr("mcap.writer.zstandard", zstandard.ZstdCompressor(LEVEL))
     one_by_one(log, moving, extra, tmp_path / "slow.mcap", variance)
     for block in (97, 1_000_000):
         monkeypatch.setattr("boom_mj.logs.writing.BLOCK", block)

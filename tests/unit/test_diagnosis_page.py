@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from boom_mj.api import Answer
 from boom_mj.cli.documents import GapDiagnose
-from boom_mj.diagnosis import Diagnosis, document, nominal_predictor, steps
+from boom_mj.diagnosis import Diagnosis, built_with, causes, document, nominal_predictor, reasons, steps
 from boom_mj.diagnosis.budget import odds
 from boom_mj.diagnosis.candidate import Candidate
 from boom_mj.diagnosis.criteria import BOOM as CRITERIA
@@ -31,7 +31,7 @@ from boom_mj.estimation.bootstrap import Closure, gap
 from boom_mj.estimation.linear import LinearPosterior
 from boom_mj.estimation.noise import NoiseModel
 from boom_mj.logs import read_log
-from boom_mj.machine import load_machine
+from boom_mj.machine import load_machine, parse_machine
 from boom_mj.recording import Recording, window
 from boom_mj.report import write_diagnosis
 from boom_mj.report.diagnosis.page import SECTIONS, diagnosis_page
@@ -85,7 +85,7 @@ def model_of(training: int) -> Linearisation:
         level=found.system.facts.fidelity.coarse,
         base=np.nan_to_num(data.measured),
         mean_error=none,
-        posterior=LinearPosterior(noise, np.zeros((len(none), len(nuisances)))),
+        posterior=LinearPosterior.of(noise, np.zeros((len(none), len(nuisances)))),
         nuisances=nuisances,
         all_nuisances=nuisances,
         criteria=CRITERIA,
@@ -371,3 +371,18 @@ def test_what_surely_leaves_some_of_a_small_gap_is_no_explanation() -> None:
     whole, most = Closure(1.0, 0.9, 1.1), Closure(0.73, 0.55, 0.90)
     assert explains((1.11, 1.11), near_noise, whole)
     assert not explains((1.11, 1.11), near_noise, most) and not explains((8.0, 8.0), loud, whole)
+
+
+def test_every_line_of_a_corrected_file_says_why_it_is_there() -> None:
+    for case, kind in (("explained", "cause: probability"), ("unexplained", "suspect, not sure: probability")):
+        found = diagnosis(case)
+        built, text = built_with(found), (ROOT / "models" / "boom36.toml").read_text()
+        why = reasons(found)
+        written = BoomSystem(BOOM, text).corrected(causes(found), built, why)
+        lines = [line for line in written.removeprefix(text.rstrip()).splitlines() if line and not line.startswith("#")]
+        assert all(re.search(r"  # \w+", line) for line in lines)
+        assert sum(line.startswith(f"[[effect]]  # {kind}") for line in lines) == 1
+        (mass,) = (line for line in lines if line.startswith("mass = "))
+        assert re.fullmatch(r"mass = 40\.0  # how much: estimate; 95 % [\d.]+ \.\. [\d.]+ kg; without it 0", mass)
+        assert all(why[effect, name].startswith("estimate; prior ") for effect in built for name in effect.values)
+        assert len(parse_machine(written).effect) == len(built) + 1

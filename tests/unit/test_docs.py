@@ -206,6 +206,7 @@ def test_every_equation_has_its_code() -> None:
 def test_every_public_name_is_documented_and_in_the_reference() -> None:
     count, bare = SITE.undocumented()
     assert count > 200 and bare == []
-    text = SITE.python()
-    for paths in SITE.public_paths().values():
-        assert all(f"::: {path}\n" in text for path in paths)
+    text, index = "\n".join(SITE.python().values()), SITE.python_index()
+    for room, paths in SITE.public_paths().items():
+        assert f"| [`{room}`](python/{room}.md) |" in index
+        assert all(text.count(f"::: {path}\n") == 1 and f"#{path})" in index for path in paths)

@@ -8,11 +8,11 @@ import pytest
 
 from boom_mj.discovery.grammar import GRAMMARS
 from boom_mj.discovery.places import Place, law_class
-from boom_mj.effects import BOOM_SITES, Parameter, Site, laws, load_effects
+from boom_mj.effects import BOOM_SITES, Parameter, Site, laws, load_effects, make_effect
 from boom_mj.errors import EffectError
 from boom_mj.machine import load_machine
 from boom_mj.recording import Signal
-from boom_mj.simulation import make_plant
+from boom_mj.simulation import Plant, make_plant
 from boom_mj.testing import check_effect
 
 pytestmark = pytest.mark.usefixtures("own_files")
@@ -29,11 +29,20 @@ class Drag(laws.TipLaw):
     table = {"drag": Parameter("N s^2/m^2", 0.0, 0.0, 1e4, 20.0)}
 
 
+class Load(laws.TipLaw):
+    """A mass at the tip, told by its weight and its inertia."""
+
+    id = "test_load"
+    table = {"weight": Parameter("N", 0.0, -1e5, 1e5, 200.0), "inertia": Parameter("kg", 0.0, 0.0, 1e4, 20.0)}
+
+
 class Hard(laws.LinkLaw):
-    """A link that hardens, and its stop."""
+    """A link that hardens, is stiffer and rests bent, and its stop."""
 
     id = "test_hard"
     table = {
+        "linear": Parameter("1", 0.0, -0.9, 9.0, 0.3),
+        "offset": Parameter("1/m", 0.0, -1.0, 1.0, 1e-3),
         "cube": Parameter("m^2", 0.0, 0.0, 1e9, 1e5),
         "stop_stiffness": Parameter("N m/rad", 0.0, 0.0, 1e9, 1e6),
         "stop": Parameter("rad", 0.01, -1.0, 1.0, 0.01),
@@ -57,11 +66,34 @@ def test_drag_takes_the_power_of_its_formula() -> None:
     assert power[1] - power[0] == pytest.approx(-drag * speed**3, rel=1e-4)
 
 
+def test_weight_and_inertia_are_a_payload() -> None:
+    """What the tip weighs is a force that acts from outside; its inertia is the model's."""
+    machine, mass = load_machine("boom36"), 50.0
+    payload = make_plant(machine, 2, (make_effect("tip_payload", {"mass": mass}),))
+    law = make_plant(machine, 2, (Load(Site(), inertia=mass),))
+    rng = np.random.default_rng(0)
+    qpos, qvel = 0.1 * rng.standard_normal(law.model.nq), 0.1 * rng.standard_normal(law.model.nv)
+    acts = []
+    for one, weight in ((payload, 0.0), (law, mass * np.linalg.norm(law.model.opt.gravity))):
+        data = mujoco.MjData(one.model)
+        data.qpos[:], data.qvel[:] = qpos, qvel
+        mujoco.mj_forward(one.model, data)
+        site = data.site("tip")
+        mujoco.mj_applyFT(one.model, data, [0, 0, -weight], np.zeros(3), site.xpos, site_body(one), data.qfrc_applied)
+        mujoco.mj_forward(one.model, data)
+        acts.append(data.qacc.copy())
+    np.testing.assert_allclose(*acts, rtol=1e-6)
+
+
+def site_body(plant: Plant) -> int:
+    return int(plant.model.site("tip").bodyid[0])
+
+
 def test_link_law_bends_as_its_formula() -> None:
     machine, link = load_machine("boom36"), 3
-    cube, bend = 4e4, 2e-3
+    cube, linear, offset, bend = 4e4, 0.2, 1e-4, 2e-3
     plain = make_plant(machine, 3)
-    plant = make_plant(machine, 3, (Hard(site(link=link), cube=cube),))
+    plant = make_plant(machine, 3, (Hard(site(link=link), cube=cube, linear=linear, offset=offset),))
     own = [k for k in range(plant.model.njnt) if plant.model.joint(k).name.startswith(f"link{link}_v_")]
     lengths = [float(length) for _, length in laws.bent_by(plain.boom.spec, machine, link, "v")]
     for joint, length in zip(own, lengths):
@@ -71,10 +103,12 @@ def test_link_law_bends_as_its_formula() -> None:
             data.qpos[one.model.jnt_qposadr[joint]] = bend
             mujoco.mj_forward(one.model, data)
             torque.append(float(data.qfrc_spring[one.model.jnt_dofadr[joint]]))
-        assert torque[1] / torque[0] == pytest.approx(1 + cube * (bend / length) ** 2, rel=1e-9)
+        curvature = (bend - offset * length) / length  # a hinge bends about where it rests
+        expected = (1 + linear + cube * curvature**2) * curvature * length / bend
+        assert torque[1] / torque[0] == pytest.approx(expected, rel=1e-9)
 
 
-@pytest.mark.parametrize("kind", [Drag, Hard])
+@pytest.mark.parametrize("kind", [Drag, Hard, Load])
 def test_laws_of_effects_hold(kind: type) -> None:
     check_effect(kind, machine=load_machine("boom36"))
 
@@ -141,3 +175,14 @@ def test_a_law_must_be_named_as_no_other(tmp_path: Path) -> None:
     file.write_text(LAW.format(name="pressure_scale"))
     with pytest.raises(EffectError, match="two effects are called pressure_scale"):
         load_effects(file)
+
+
+def test_what_fades_begins_whole_at_each_stop_and_knows_its_direction():
+    time = np.arange(0.0, 6.0, 0.01)
+    speed = np.select([(time >= 1) & (time < 2), (time >= 4) & (time < 5)], [1.0, -1.0], 0.0)
+    said = laws.fading(time, laws.direction(speed, 1e-3), 0.5)
+    assert not said[time < 2 - 0.005].any()
+    assert not said[(time >= 4) & (time < 5 - 0.005)].any()
+    rest = (time >= 2) & (time < 4 - 0.005)
+    np.testing.assert_allclose(said[rest], np.exp(-(time[rest] - 1.99) / 0.5))
+    np.testing.assert_allclose(said[time > 5 + 0.005], -np.exp(-(time[time > 5 + 0.005] - 4.99) / 0.5))

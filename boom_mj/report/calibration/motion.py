@@ -73,8 +73,8 @@ def section(shown: Validation) -> Section | None:
         for axes in panels[1]:
             axes.set_xlabel("time, s")
 
-    drawing = draw("motion-scaled", "Generalised scaled of the calibrated machine", WIDTH, 400, paint_coordinates)
-    pictures.append(Picture("Generalised scaled of the calibrated machine", "", drawing))
+    title = "Generalised coordinates of the calibrated machine"
+    pictures.append(Picture(title, "", draw("motion-coordinates", title, WIDTH, 400, paint_coordinates)))
     seen = "not seen in the calibration" if index >= shown.training else "seen in the calibration"
     text = f"{table.log.name.replace('_', ' ')}, {table.time[-1]:.0f} s, {seen}; the logged angles drive the machines."
     return Section("motion", "The longest motion", {"pictures": pictures, "text": text})

@@ -22,6 +22,14 @@ from boom_mj.report.words import (
     spoken,
 )
 
+NEXT = {
+    "consistent": "Nothing: the machine does what the simulation says.",
+    "explained": "Look at the machine where the effect lies, and simulate with the file of gap diagnose -o FILE.",
+    "ambiguous": "Record an experiment that tells the explanations apart, and diagnose with it.",
+    "partial": "Look at the machine where the effects lie, then at what is left, below.",
+    "unexplained": "See where it lies and what is left, below; gap discover looks for a law that no library has.",
+}
+
 
 def section(view: View) -> Section:
     answer = view.answer
@@ -37,6 +45,7 @@ def section(view: View) -> Section:
             "physics": {effect.id: physics(effect) for effect in view.effects},
             "ties": [explanation_name(tie) for tie in _ties(view)],
             "next_experiment": answer["next_experiment"],
+            "next": NEXT[answer["verdict"]],
             "zero_offsets": offsets(view),
             "data": [row["finding"] for row in answer["data"]],
         },
@@ -91,8 +100,9 @@ def rows(effect: Mapping[str, Any]) -> list[dict[str, str]]:
             "parameter": name,
             "value": number(p["value"], digits := digits_of(p["low"], p["high"])),
             "interval": f"{number(p['low'], digits)} to {number(p['high'], digits)}",
-            "unit": p["unit"],
+            "unit": "" if p["unit"] == "1" else p["unit"],
             "alone": "" if alone is None else percent(alone),
+            "probability": percent(effect["probability"]),
         }
         for name, p in effect["parameters"].items()
     ]
@@ -105,7 +115,8 @@ def offsets(view: View) -> list[str]:
         for name, value in effect.values.items() if effect.id == view.facts.wording.zero_offset else ():
             unit = effect.declared[name].unit
             size = f"{np.degrees(value):+.2f}°" if unit == "rad" else f"{value:+.2g} {unit}"
-            place = " ".join(map(str, effect.location.values())) or name.replace("joint", f"joint{SPACE}")
+            place = " and ".join(f"{k}{SPACE}{v}" for k, v in effect.location.items())
+            place = place or name.replace("joint", f"joint{SPACE}")
             found.append(f"{place} {size.replace('-', MINUS)}")
     return found
 

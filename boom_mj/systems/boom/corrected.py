@@ -1,18 +1,21 @@
 """A machine file's text with effects in it."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator
 from typing import Any
 
 from boom_mj.effects import Effect
 from boom_mj.machine import EffectEntry, Machine
-from boom_mj.systems.system import Hypothesis
+from boom_mj.systems.system import NO_REASONS, Hypothesis, Reasons
 
 
-def with_effects_text(machine_text: str, causes: Hypothesis, nuisances: Hypothesis = ()) -> str:
-    """A machine file's text with effects added, each under a comment that says why it is there."""
+def with_effects_text(
+    machine_text: str, causes: Hypothesis, nuisances: Hypothesis = (), reasons: Reasons = NO_REASONS
+) -> str:
+    """A machine file's text with effects added; every line says why it is there."""
     text = machine_text.rstrip("\n") + "\n"
-    for why, effects in (("nuisance, as built: estimated", nuisances), ("cause: named by the diagnosis", causes)):
-        text += "".join(f"\n# {why}\n{_toml(_entry(effect))}" for effect in effects)
+    for kind, effects in (("nuisance, as built", nuisances), ("cause", causes)):
+        for effect in effects:
+            text += "\n" + "".join(_lines(effect, kind, reasons))
     return text
 
 
@@ -29,5 +32,10 @@ def _entry(effect: Effect) -> dict[str, Any]:
     return {"id": effect.id, **effect.location, **changed}
 
 
-def _toml(entry: Mapping[str, Any]) -> str:
-    return "\n".join(["[[effect]]", *(f"{k} = {v!r}".replace("'", '"') for k, v in entry.items())]) + "\n"
+def _lines(effect: Effect, kind: str, reasons: Reasons) -> Iterator[str]:
+    """Of its entry, each with its reason."""
+    yield f"[[effect]]  # {reasons.get((effect, 'id'), kind)}\n"
+    for key, value in _entry(effect).items():
+        role = "what" if key == "id" else "where" if key in effect.location else "how much"
+        why = reasons.get((effect, key), "") if role == "how much" else ""
+        yield f"{key} = {value!r}".replace("'", '"') + f"  # {role}{': ' * bool(why)}{why}\n"

@@ -30,9 +30,11 @@ from boom_mj.systems.boom.nuisances import OFFSET, OFFSET_STEP, individual, nuis
 from boom_mj.systems.boom.timeline import DRIVE, MOVING, PHASES, timeline
 from boom_mj.systems.fidelity import FidelityLadder, Level, Refinement
 from boom_mj.systems.system import (
+    NO_REASONS,
     ChannelPlace,
     Hypothesis,
     Nuisance,
+    Reasons,
     ResidualForce,
     SystemFacts,
     Timeline,
@@ -129,10 +131,10 @@ class BoomSystem:
         poses = [self.timeline(log).coordinates for log in data.recordings]
         return residual_force.forces(self.machine, data, poses, white, weight)
 
-    def corrected(self, causes: Hypothesis, nuisances: Hypothesis = ()) -> str:
+    def corrected(self, causes: Hypothesis, nuisances: Hypothesis = (), reasons: Reasons = NO_REASONS) -> str:
         """The machine file's text with effects in it."""
         note = f"\n\n# found with {SHOWN.hinges} hinges: simulate and replay with --hinges {SHOWN.hinges}"
-        return with_effects_text(self.text.rstrip() + note * bool(causes or nuisances), causes, nuisances)
+        return with_effects_text(self.text.rstrip() + note * bool(causes or nuisances), causes, nuisances, reasons)
 
     def column(self, effect: Effect, data: Dataset, nuisances: Array) -> Array | None:
         """An angle error moves the boom as a zero offset of its size at that moment would."""

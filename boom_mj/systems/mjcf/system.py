@@ -18,9 +18,11 @@ from boom_mj.systems.mjcf.segments import smoothed
 from boom_mj.systems.mjcf.settings import with_settings
 from boom_mj.systems.mjcf.sites import sites_of
 from boom_mj.systems.system import (
+    NO_REASONS,
     ChannelPlace,
     Hypothesis,
     Nuisance,
+    Reasons,
     SystemFacts,
     Timeline,
     Wording,
@@ -121,15 +123,17 @@ class MjcfSystem:
         direction = "xyz"[entry.component] if vector else ""
         return ChannelPlace(signal, entry.what, entry.place, direction, signal, f"{entry.what}, {entry.place}")
 
-    def corrected(self, causes: Hypothesis, nuisances: Hypothesis = ()) -> str:
+    def corrected(self, causes: Hypothesis, nuisances: Hypothesis = (), reasons: Reasons = NO_REASONS) -> str:
         """The MJCF text with effects in it; comments say why each is there, and which of them MJCF does not hold."""
         spec, why = self.spec.copy(), []
-        for reason, effects in (("nuisance, as built", nuisances), ("cause", causes)):
+        for kind, effects in (("nuisance, as built", nuisances), ("cause", causes)):
             for effect in effects:
                 if isinstance(effect, ModelEffect):
                     effect.edit(spec, None)
                 missing = "" if isinstance(effect, ModelEffect) else ", not in the model"
-                why.append(f"<!-- {reason}{missing}: {effect} -->\n")
+                said = [f"; {name}: {reasons[effect, name]}" for name in effect.values if (effect, name) in reasons]
+                whole = reasons.get((effect, "id"), kind)
+                why.append(f"<!-- {whole}{missing}: {effect}{''.join(said)} -->\n")
         spec.compile()
         return spec.to_xml() + "".join(why)
 
