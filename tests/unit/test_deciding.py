@@ -14,14 +14,14 @@ from boom_mj.diagnosis.criteria import BOOM
 from boom_mj.diagnosis.fitting import Fit, fit
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.scoring import Scored
-from boom_mj.effects import Site, effect_library, parse_effect
+from boom_mj.effects import BOOM_SITES, Parameter, Site, effect_library, parse_effect
 from boom_mj.effects.filters import lagged
 from boom_mj.effects.library.wind import CORRELATION_S
 from boom_mj.errors import LogWarning
 from boom_mj.estimation import dataset
-from boom_mj.estimation.bootstrap import resampled_means, worse_by
+from boom_mj.estimation.bootstrap import closure, resampled_means, worse_by
 from boom_mj.estimation.intervals import robust_variance
-from boom_mj.estimation.noise import OPTIONS, _carried
+from boom_mj.estimation.noise import OPTIONS, _carried, noise_model
 from boom_mj.recording import Recording, named_signal
 from boom_mj.replay.quality.edits import blanked
 from boom_mj.systems.boom import BoomSystem
@@ -240,3 +240,35 @@ def test_joint_angles_without_commands_are_bridged_straight() -> None:
     log = Recording("a", "boom36", "", {"joint/position": named_signal("joint/position", time, angles)})
     bridged = blanked("joint/position", np.arange(11)[:, None] == np.full(5, 5))(log)["joint/position"].values
     assert bridged == pytest.approx(np.arange(11.0)[:, None] * np.ones(5))
+
+
+def test_noise_and_what_a_model_may_err_by_add_up_in_squares() -> None:
+    data = SimpleNamespace(
+        noise=np.full(5, 3.0), used=np.arange(5) > 0, channels=[0], stretch=lambda number: slice(0, 5)
+    )
+    found = noise_model(data, np.full(5, 8.0), 0.5)
+    assert found.weight == pytest.approx([0.0, *[1 / np.hypot(3.0, 8.0 * OPTIONS.spread_share)] * 4])
+    assert found.error == pytest.approx(np.full(5, 4.0))
+
+
+def test_a_closure_is_that_of_the_data_and_its_interval_that_of_draws() -> None:
+    windows, before = np.arange(40), np.full(40, 3.0)
+    found = closure(windows, before, np.where(windows < 20, 1.0, 2.0))
+    assert found.value == pytest.approx((3 - np.sqrt(2.5)) / 2) and found.low < found.value < found.high
+
+
+def test_what_is_likely_has_two_ends() -> None:
+    known = Parameter("kg", 0.0, 0.0, 9.0, 1.0, likely=(1.0, 2.0))
+    assert [known.plausible(value) for value in (0.5, 1.5, 2.5)] == [False, True, False]
+
+
+def test_a_steady_tone_screened_as_a_pulsation_stays_within_its_bounds() -> None:
+    pulsation = effect_library()["pump_pulsation"]
+    site = pulsation.allowed(BOOM_SITES)[0]
+    points = pulsation.screening(site, (2.0,))[0]
+    values = pulsation.combine(site, points, np.full(len(points), 1e9))
+    assert values["amplitude"] == pulsation.parameters(site)["amplitude"].high
+
+
+def test_what_an_explanation_may_leave_grows_with_the_gap_above_the_floor() -> None:
+    assert budget._enough(BOOM, np.array([3.0])) == pytest.approx(BOOM.explained_gap + 2 * BOOM.error_share)
