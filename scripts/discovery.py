@@ -403,10 +403,9 @@ law leaves.
 
 ## What to mind
 
-- The memory of the plant is whole from the first moment of a motion and falls from the stop on; the term of the
-  grammar grows with its own time constant and ends where the speed is small. So its form is found and its size is not.
 - The drag of plant and law is MuJoCo's own; a test holds it against its power. All other forms are computed apart.
-- Effects that are withheld and not listed were not asked for want of time.
+- A law is at one place. What acts at several, such as damping of all links, at the base, in clocks and in cameras, ends
+  in *none*; where another effect of the library imitates the withheld one, the answer names it instead of a law.
 
 Made by `scripts/discovery.py make | run | report`; truth and answers: [answers.tar.xz](discovery/answers.tar.xz).
 """
