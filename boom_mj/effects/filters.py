@@ -28,7 +28,8 @@ def fading(time: Array, direction: Array, constant: float) -> Array:
     """
     moving = np.abs(direction) > 0.5
     last = np.maximum.accumulate(np.where(moving, np.arange(len(time)), 0))
-    return np.where(moving, 0.0, np.round(direction[last]) * np.exp((time[last] - time) / constant))
+    since = np.maximum(time - time[last], 0.0)  # recordings one after the other begin anew
+    return np.where(moving, 0.0, np.round(direction[last]) * np.exp(-since / constant))
 
 
 def led(time: Array, values: Array, constant: float) -> Array:
