@@ -11,7 +11,8 @@ be about to call it.
 import ctypes
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from importlib import import_module
 
 import numpy as np
 
@@ -27,7 +28,9 @@ except Exception:  # of several types, by what is missing
 
     os.environ[NAME] = _given
 
-ctypes.c_void_p.in_dll(ctypes.CDLL(mujoco._functions.__file__), "mjcb_time").value = None
+with suppress(ImportError, OSError, ValueError):  # of a MuJoCo that is built otherwise: it keeps its clock
+    _bindings = import_module("mujoco._functions").__file__
+    ctypes.c_void_p.in_dll(ctypes.CDLL(_bindings), "mjcb_time").value = None
 
 
 def mass_matrix(model: "mujoco.MjModel") -> np.ndarray:

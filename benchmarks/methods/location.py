@@ -32,7 +32,7 @@ def solve(case: Case) -> Answer:
     basis, overlap = model.posterior.trained, []
     for part in screening.stretches:
         columns = screening.columns[:, part]
-        rest = columns - basis @ np.linalg.solve(model.posterior.curvature, basis.T @ columns)
+        rest = columns - basis @ np.linalg.solve(model.posterior.basis.curvature, basis.T @ columns)
         powers = [np.bincount(group, column**2) for column in rest.T]
         overlap.append(max(float(np.sqrt(here * _shares(power)).sum()) for power in powers))
     kind, site, _ = screening.rows[int(np.argmax(overlap))]

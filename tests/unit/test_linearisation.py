@@ -28,7 +28,8 @@ def test_an_effect_stands_for_its_nuisance(model: Linearisation) -> None:
     left = model.conditional_on(heavier)
     gone = [k for k, t in enumerate(left.nuisances) if not t.hypothesis]
     assert [model.nuisances[k].hypothesis[0].cause for k in gone] == [heavier[0].cause]
-    assert not left.columns[:, gone].any()
+    estimate = left.posterior.estimate(left.residual(left.base))
+    assert not left.posterior.trained[:, gone].any() and not estimate[gone].any() and estimate.any()
     assert heavier[0].cause not in {e.cause for e in of_size(left.nuisances, np.ones(len(left.nuisances)))}
     assert model.conditional_on(()) is model
 
