@@ -2,7 +2,7 @@
 
     python scripts/discovery.py make WORK --commit ID [--laws 40] [--healthy 20]
     python scripts/discovery.py run WORK [--only GLOB]
-    python scripts/discovery.py report WORK -o docs/results/discovery.md
+    python scripts/discovery.py report WORK -o docs/results/discovery.md [--note TEXT]
 
 The seed is the SHA-256 of the commit's id and the campaign's name, so that it can be neither chosen nor lost. `make`
 writes the truth, its hash first; `run` makes the logs of a case, asks the command line, keeps its answer and goes on
@@ -307,7 +307,7 @@ def share(hits: Sequence[bool]) -> str:
     return f"{sum(hits)} of {len(hits)} ({low:.0%} .. {high:.0%})"
 
 
-def report(work: Path, page: Path) -> None:
+def report(work: Path, page: Path, note: str) -> None:
     sealed = json.loads((work / "truth.json").read_text())
     answers = {
         name: json.loads((work / f"{name}.json").read_text())
@@ -346,7 +346,7 @@ def report(work: Path, page: Path) -> None:
     missing = [(c["id"], answers[n]) for n, c in cases.items() if c["form"] == "withheld"]
     for name, a in sorted(missing, key=lambda item: item[0]):
         law = (a.get("law") or (a.get("front") or [{"formula": "-"}])[0])["formula"]
-        same = (a.get("law") or {}).get("same_as") or "-"
+        same = (a.get("law") or {}).get("same_as") or a.get("withheld") or "-"
         closure = f"{a['gap']['closure']:.2f}" if a.get("front") else "-"
         withheld.append(f"| {name} | {a['verdict']} | `{law}` | {closure} | {same} |")
     text = PAGE.format(
@@ -358,6 +358,7 @@ def report(work: Path, page: Path) -> None:
         misses="\n".join(misses) or "None.",
         forms="\n".join(by_form),
         withheld="\n".join(withheld),
+        note=f"{note}\n" if note else "",
     )
     page.write_text(text)
     print(text)
@@ -394,10 +395,10 @@ with one law that is in no library, drawn with its place and sizes from the SHA-
 
 ## Effects of the library, withheld
 
-The effect is in the data, and `--without` lets a law stand for it. `same as`: the library's effect that leaves what the
-law leaves.
+The effect is in the data, and `--without` lets a law stand for it. *Known as*: the library's effect that leaves what
+the law leaves, or the one that was left out and leaves less: the answer says that the law is not new.
 
-| withheld | verdict | law, or the best of one term | closure | same as |
+| withheld | verdict | law, or the best of one term | closure | known as |
 |---|---|---|---|---|
 {withheld}
 
@@ -406,7 +407,7 @@ law leaves.
 - The drag of plant and law is MuJoCo's own; a test holds it against its power. All other forms are computed apart.
 - A law is at one place. What acts at several, such as damping of all links, at the base, in clocks and in cameras, ends
   in *none*; where another effect of the library imitates the withheld one, the answer names it instead of a law.
-
+{note}
 Made by `scripts/discovery.py make | run | report`; truth and answers: [answers.tar.xz](discovery/answers.tar.xz).
 """
 
@@ -425,6 +426,7 @@ def main() -> None:
             one.add_argument("--only", default="*")
         else:
             one.add_argument("-o", type=Path, required=True, dest="page")
+            one.add_argument("--note", default="", help="what else there is to mind of these answers")
     given = vars(parser.parse_args())
     work: Callable[..., None] = {"make": make, "run": ask, "report": report}[given.pop("command")]
     work(**given)
