@@ -49,4 +49,4 @@ def model_error(predictor: Predictor, variant: Variant) -> tuple[Array, NoiseMod
     """What finer hinges add to the prediction, (N,), and the noise with a share of it."""
     usual, fine = (predict(predictor, [variant], level)[0] for level in (MIDDLE, FINE))
     change = fine - usual
-    return change, noise_model(predictor.data, np.nan_to_num(change), along_share=0.0)
+    return change, noise_model(predictor.data, np.nan_to_num(change)[None], along_share=0.0)

@@ -229,8 +229,8 @@ def _weighed(about: Linearisation, columns: Sequence[Array], estimate: Array) ->
     base, *finer = (predictor.predict([(*about.effects, *about.individual)], at)[0] for at in levels)
     changes = np.nan_to_num([found - base for found in finer])
     missing = np.array([check.missing for check in fidelity.checks]) @ changes
-    doubt = np.array([check.doubtful for check in fidelity.checks]) @ changes
-    noise = noise_model(about.data, doubt, fidelity.along)
+    doubts = np.array([check.doubtful for check in fidelity.checks])[:, None] * changes
+    noise = noise_model(about.data, doubts, fidelity.along)
     clean = np.empty((len(base), len(columns)), np.float32)
     for k, column in enumerate(columns):
         clean[:, k] = np.nan_to_num(column)

@@ -1,8 +1,9 @@
 """What counts as a difference: noise, and the model's own error.
 
-Residuals are whitened by V = D + e e^T in every channel, D = noise^2 + spread^2. What refining the model still changes
-has a size, the doubt; the spread is a share of it within half a second, and e, a share of it as it is, may be wrong all
-along a channel. What latent inputs explain does not count.
+Residuals are whitened by V = D + e e^T in every channel, D = noise^2 + spread^2. What refining the model still changes,
+its hinges and its steps, has a size, their doubts; the spread is a share of these, added in squares, within half a
+second, and e, a share of their sum as it is, may be wrong all along a channel. What latent inputs explain does not
+count.
 """
 
 from dataclasses import dataclass, replace
@@ -86,11 +87,14 @@ class NoiseModel:
         return scaled
 
 
-def noise_model(data: Dataset, doubt: Array, along_share: float) -> NoiseModel:
-    """Noise of a dataset, and error of a model: `doubt` (N,) may be wrong, a share of it all along a channel."""
-    variance = data.noise**2 + (OPTIONS.spread_share * _carried(data, np.abs(doubt))) ** 2
+def noise_model(data: Dataset, doubts: Array, along_share: float) -> NoiseModel:
+    """Noise of a dataset, and error of a model: each of `doubts` (k, N) may be wrong, of their sum a share all along.
+
+    What they do at a moment adds up as errors that know nothing of each other: that two cancel there is chance.
+    """
+    variance = data.noise**2 + (OPTIONS.spread_share * _carried(data, np.sqrt(np.sum(doubts**2, axis=0)))) ** 2
     weight = np.where(data.used, 1 / np.sqrt(np.where(data.used, variance, 1.0)), 0.0)
-    return NoiseModel(data, weight, along_share * doubt)
+    return NoiseModel(data, weight, along_share * doubts.sum(axis=0))
 
 
 def _carried(data: Dataset, size: Array) -> Array:

@@ -246,9 +246,10 @@ def test_noise_and_what_a_model_may_err_by_add_up_in_squares() -> None:
     data = SimpleNamespace(
         noise=np.full(5, 3.0), used=np.arange(5) > 0, channels=[0], stretch=lambda number: slice(0, 5)
     )
-    found = noise_model(data, np.full(5, 8.0), 0.5)
-    assert found.weight == pytest.approx([0.0, *[1 / np.hypot(3.0, 8.0 * OPTIONS.spread_share)] * 4])
-    assert found.error == pytest.approx(np.full(5, 4.0))
+    doubts = np.array([np.full(5, 8.0), np.full(5, -6.0)])  # that they nearly cancel is chance
+    found = noise_model(data, doubts, 0.5)
+    assert found.weight == pytest.approx([0.0, *[1 / np.hypot(3.0, 10.0 * OPTIONS.spread_share)] * 4])
+    assert found.error == pytest.approx(np.full(5, 1.0))
 
 
 def test_a_closure_is_that_of_the_data_and_its_interval_that_of_draws() -> None:
