@@ -99,9 +99,10 @@ def sentence(found: Discovery) -> str:
         return f"There is nothing to discover: the held-out gap is {size:.2f}, where noise alone leaves 1."
     law = f"{with_numbers(best)}, on {best.place.acts_on}"
     if found.verdict == "law":
-        same = found.same_as.label if found.same_as else ""
-        known = f" The library has it: it is {same}." if same else ""
-        if found.withheld and not same:
+        known = ""
+        if found.same_as:
+            known = f" The library has it: it is {found.same_as.label}."
+        elif found.withheld:
             known = f" It is not new: {found.withheld.label} of the library, left out here, leaves less."
         count = len(found.ties)
         also = "" if not count else " Another law does as well." if count == 1 else f" {count} other laws do as well."

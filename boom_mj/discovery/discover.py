@@ -29,6 +29,9 @@ class Discovery:
 
     Attributes:
         verdict: "law" or "none".
+        as_built: whitened residual of the machine as built, (N,).
+        model: the healthy machine.
+        skipped: what was not looked at for want of time.
         best: the law, or the best of the grammar where none is one; None where no law was fitted.
         front: of laws by size, each leaving less than all shorter ones, shortest first.
         ties: other laws of no more terms that the data cannot tell from the best.
@@ -36,22 +39,19 @@ class Discovery:
         same_as: it, where it does what the law does.
         withheld: an effect that was left out of the library and leaves less than the law.
         places: of every place the law that leaves least there, the best first.
-        as_built: whitened residual of the machine as built, (N,).
-        model: the healthy machine.
-        skipped: what was not looked at for want of time.
     """
 
     verdict: str
-    best: FoundLaw | None
-    front: tuple[FoundLaw, ...]
-    ties: tuple[FoundLaw, ...]
-    library: Scored | None
-    same_as: Scored | None
-    withheld: Scored | None
-    places: tuple[FoundLaw, ...]
     as_built: Array
     model: Linearisation
-    skipped: tuple[str, ...] = ()
+    skipped: tuple[str, ...]
+    best: FoundLaw | None = None
+    front: tuple[FoundLaw, ...] = ()
+    ties: tuple[FoundLaw, ...] = ()
+    library: Scored | None = None
+    same_as: Scored | None = None
+    withheld: Scored | None = None
+    places: tuple[FoundLaw, ...] = ()
 
     @property
     def healthy(self) -> bool:
@@ -86,12 +86,11 @@ def _discover(predictor: Predictor, without: Sequence[str], clock: Clock) -> Dis
     gaps = gap(as_built, model.data.train), gap(as_built, model.data.held_out)
     clock.tell(f"gap as built {gaps[0]:.2f} in training, {gaps[1]:.2f} held out")
     if max(gaps) <= model.criteria.healthy_gap:
-        return Discovery("none", None, (), (), None, None, None, (), as_built, model, clock.skipped)
+        return Discovery("none", as_built, model, clock.skipped)
     places = possible(model, as_built, places_of(model))
     clock.tell(f"{sum(len(place.terms) for place in places)} terms at {len(places)} places")
     ranked = sums(model, raw, places) if places else []
     laws = sorted(fitted(model, ranked, gaps[0], clock), key=lambda found: found.held_out)
-    front = _front(laws)
     best = None
     if laws:
         chosen = _chosen(model, as_built, laws)
@@ -105,9 +104,19 @@ def _discover(predictor: Predictor, without: Sequence[str], clock: Clock) -> Dis
     verdict = "law" if best and _is_law(model, as_built, best) else "none"
     if best and named and named is not same and _better(model, named, best):
         verdict = "none"
-    ties = tuple(one for one in laws if best and _tied(model, best, one))
-    known = next((one for one in library if one not in left and best and _better(model, one, best)), None)
-    return Discovery(verdict, best, front, ties, named, same, known, _by_place(laws), as_built, model, clock.skipped)
+    return Discovery(
+        verdict,
+        as_built,
+        model,
+        clock.skipped,
+        best,
+        front=_front(laws),
+        ties=tuple(one for one in laws if best and _tied(model, best, one)),
+        library=named,
+        same_as=same,
+        withheld=next((one for one in library if one not in left and best and _better(model, one, best)), None),
+        places=_by_place(laws),
+    )
 
 
 def _front(laws: Sequence[FoundLaw]) -> tuple[FoundLaw, ...]:

@@ -177,12 +177,13 @@ def fitted(model: Linearisation, ranked: Sequence[Sequence[Sum]], before: float,
     budget, share = model.budget, model.criteria.main_share
     least = share * max((s.share for at_place in ranked for s in at_place), default=0.0)
     likely = [one for one in ranked if max(s.share for s in one) >= least][: budget.law_places]
-    for rank, at_place in enumerate(likely):
+    for at_place in likely:
         shorter = np.inf  # mean square above noise that sums promise to leave
         for size in range(1, budget.law_terms + 1):
             own = [s for s in at_place if len(s.terms) == size]
             left = min(((1 - s.share) * before**2 - 1 for s in own), default=np.inf)
-            if left > (1 - model.criteria.required_gain) * shorter and (rank, size) != (0, 2):
+            promising = left <= (1 - model.criteria.required_gain) * shorter
+            if not promising and not (size == 2 and at_place is likely[0]):
                 continue
             found, shorter = [], left
             for one in own[: budget.law_forms]:

@@ -25,7 +25,7 @@ from boom_mj.effects.kinds import (
     Motion,
     OutputEffect,
 )
-from boom_mj.effects.spec_edits import bent_by, link_hinges
+from boom_mj.effects.spec_edits import add_tip_mass, bent_by, link_hinges
 from boom_mj.machine import Machine, cylinder_lengths
 from boom_mj.recording import Signal
 
@@ -188,13 +188,12 @@ class TipLaw(Law, ModelEffect, ForceEffect):
     unit = "N"
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
-        tip = spec.site("tip")
         if (inertia := self.values.get("inertia", 0.0)) > 0:
-            body = tip.parent.add_body(name="inertia", explicitinertial=True, gravcomp=1.0)
-            body.mass, body.ipos, body.inertia = inertia, tip.pos, [1e-3, 1e-3, 1e-3]
+            add_tip_mass(spec, "inertia", inertia, gravcomp=1.0)
         if not (drag := self.values.get("drag", 0.0)):
             return
         spec.option.density = THIN
+        tip = spec.site("tip")
         ball = tip.parent.add_geom(name="ball", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[BALL, 0, 0], pos=tip.pos)
         ball.mass, ball.contype, ball.conaffinity, ball.fluid_ellipsoid = 0.0, 0, 0, 1.0
         ball.fluid_coefs = [drag / (THIN * np.pi * BALL**2), 0.0, 0.0, 0.0, 0.0]

@@ -158,6 +158,13 @@ def add_mass(spec: mujoco.MjSpec, body: str, mass: float) -> None:
     load.mass, load.ipos, load.inertia, load.explicitinertial = mass, np.zeros(3), np.full(3, mass * 4e-7), True
 
 
+def add_tip_mass(spec: mujoco.MjSpec, name: str, mass: float, gravcomp: float = 0.0) -> None:
+    """A point mass (some cm) on a boom's tip, of whose weight a share is compensated."""
+    tip = spec.site("tip")
+    load = tip.parent.add_body(name=name, explicitinertial=True, gravcomp=gravcomp)
+    load.mass, load.ipos, load.inertia = mass, tip.pos, [1e-3, 1e-3, 1e-3]
+
+
 def turn_gravity(spec: mujoco.MjSpec, roll: float, pitch: float) -> None:
     """Gravity in a base that is turned about its x, then its y, rad."""
     if roll or pitch:

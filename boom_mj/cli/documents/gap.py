@@ -204,6 +204,22 @@ class Law(Part):
     """Id of the effect in the library that does the same."""
 
 
+class PlaceClosure(Part):
+    """What the best law of a place closes."""
+
+    place: dict[str, Any]
+    acts_on: str
+    closure: Number
+
+
+class LibraryBest(Part):
+    """The effect of the library that does best alone."""
+
+    id: str
+    location: dict[str, Any]
+    holdout_gap: Number
+
+
 class LawGaps(Part):
     """Gaps in units of noise."""
 
@@ -223,6 +239,10 @@ class GapDiscover(Part):
     front: list[Formula]
     """The best of every length."""
     ties: list[Formula]
+    places: list[PlaceClosure]
+    library: LibraryBest | None
+    withheld: str | None
+    """Id of an effect that was left out of the library and leaves less than the law."""
     data: list[Finding]
     complete: bool
     skipped: list[str]

@@ -3,6 +3,7 @@
 import mujoco
 
 from boom_mj.effects import ModelEffect, Parameter
+from boom_mj.effects.spec_edits import add_tip_mass
 from boom_mj.machine import Machine
 
 
@@ -17,6 +18,4 @@ class TipPayload(ModelEffect):
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         if mass := self.values["mass"]:
-            tip = spec.site("tip")
-            payload = tip.parent.add_body(name="payload", explicitinertial=True)
-            payload.mass, payload.ipos, payload.inertia = mass, tip.pos, [1e-3, 1e-3, 1e-3]
+            add_tip_mass(spec, "payload", mass)
