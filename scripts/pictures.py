@@ -1,6 +1,6 @@
 """Pictures of the README and the pages: MUJOCO_GL=egl .venv/bin/python scripts/pictures.py [boom | page]
 
-`boom` needs a working EGL, `page`, of the page of a diagnosis, Chromium: CHROMIUM=PATH, or `chromium` on the path.
+`boom` needs a working EGL, `page`, of the page of a diagnosis, Chromium: `scripts/chromium`, or CHROMIUM=PATH.
 """
 
 import os
@@ -52,7 +52,11 @@ def photograph(page: Path, picture: Path, width: int, height: int, night: bool =
     scheme = f"--blink-settings=preferredColorScheme={int(not night)}"
     options = ("--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", scheme)
     shot = (f"--window-size={width},{height}", f"--screenshot={picture}", page.as_uri())
-    subprocess.run([os.environ.get("CHROMIUM", "chromium"), *options, *shot], check=True, stderr=subprocess.DEVNULL)
+    subprocess.run(
+        [os.environ.get("CHROMIUM", str(ROOT / ".chromium" / "bin" / "chromium")), *options, *shot],
+        check=True,
+        stderr=subprocess.DEVNULL,
+    )
 
 
 def boom() -> None:

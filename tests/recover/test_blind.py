@@ -4,6 +4,7 @@ import json
 import shutil
 from collections import Counter
 from hashlib import sha256
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from boom_mj.blind.generate import STAMP
 from boom_mj.blind.task import readme
 from boom_mj.blind.unlisted import UNLISTED
 from boom_mj.effects import effect_library
+from boom_mj.errors import InputError
 from boom_mj.logs import read_log, write_mcap
 from boom_mj.simulation import CATALOGUE, Experiment
 
@@ -99,6 +101,21 @@ def test_an_interrupted_making_goes_on_and_ends_in_the_same_seal(made: Path, clu
     assert (tmp_path / "seal.json").read_bytes() == (made / "seal.json").read_bytes()
     for path in (made / "cases").rglob("*.mcap"):
         assert (tmp_path / path.relative_to(made)).read_bytes() == path.read_bytes()
+
+
+def test_a_case_is_given_as_many_causes_as_are_asked_for(made: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    run, asked = import_module("boom_mj.blind.run"), []
+
+    def diagnose(predictor: object, without: tuple[str, ...], most: int | None) -> None:
+        asked.append(most)
+        raise InputError("asked")
+
+    monkeypatch.setattr(run, "diagnose", diagnose)
+    case = next(path.parent for path in (made / "cases").rglob("withhold.json"))
+    for most in (None, 4):
+        with pytest.raises(InputError, match="asked"):
+            run.solve(case, MACHINE, most=most)
+    assert asked == [None, 4]
 
 
 @pytest.mark.slow

@@ -1,10 +1,10 @@
 """The page of a diagnosis: whole for every verdict, fetches nothing, believes no name, shows numbers only."""
 
 import re
+import sys
 from dataclasses import replace
 from functools import cache
 from html.parser import HTMLParser
-from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -350,7 +350,7 @@ def test_recordings_of_one_hinge_are_told_to_be_simulated() -> None:
     assert "one hinge" not in sentence(diagnosis("unexplained"))
 
 
-def test_an_answer_draws_into_axes_and_makes_tables() -> None:
+def test_an_answer_draws_into_axes_and_makes_tables(monkeypatch: pytest.MonkeyPatch) -> None:
     answer = Answer(BOOM, diagnosis("explained"), NAMES)
     answer.__dict__["document"] = document(answer.found, NAMES, channels=CHANNELS)  # without simulating it
     axes = Figure().subplots()
@@ -358,12 +358,11 @@ def test_an_answer_draws_into_axes_and_makes_tables() -> None:
     assert len(axes.get_yticks()) == len(View(answer.found, NAMES, answer.document).groups)
     with pytest.raises(InputError, match=r"no table 'effect'; it has effects, .*channels"):
         answer.to_frame("effect")
-    if find_spec("pandas"):
-        assert list(answer.to_frame("channels").with_causes) == [1.125] * 3
-        assert answer.to_frame().loc[0, "parameters.mass.unit"] == "kg"
-    else:
-        with pytest.raises(InputError, match="pandas"):
-            answer.to_frame()
+    assert list(answer.to_frame("channels").with_causes) == [1.125] * 3
+    assert answer.to_frame().loc[0, "parameters.mass.unit"] == "kg"
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(InputError, match="pandas"):
+        answer.to_frame()
 
 
 def test_what_surely_leaves_some_of_a_small_gap_is_no_explanation() -> None:

@@ -2,7 +2,6 @@
 
 import json
 import re
-import resource
 import shutil
 import subprocess
 import sys
@@ -15,7 +14,6 @@ from test_tour import missing
 
 ROOT = Path(__file__).parents[2]
 NOTEBOOKS = sorted((ROOT / "examples").glob("*.ipynb"))
-CPU_S = 60  # of all together, on a busy machine as well
 
 
 def test_there_is_one_for_each_of_the_main_jobs() -> None:
@@ -34,7 +32,6 @@ def printed(cell: dict[str, Any]) -> str:
 def test_notebooks_run_and_say_what_is_committed(tmp_path: Path) -> None:
     shutil.copytree(ROOT / "examples", tmp_path / "examples", ignore=shutil.ignore_patterns("*.mcap.tmp"))
     (tmp_path / "out").mkdir()
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
     for path in NOTEBOOKS:
         call = (sys.executable, ROOT / "scripts" / "notebooks.py", tmp_path / "examples" / path.name)
         done = subprocess.run(
@@ -49,8 +46,6 @@ def test_notebooks_run_and_say_what_is_committed(tmp_path: Path) -> None:
                 assert [set(o.get("data", ())) for o in kept["outputs"]] == [
                     set(o.get("data", ())) for o in again["outputs"]
                 ]
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    assert after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime < CPU_S
     assert not (tmp_path / "examples" / "MUJOCO_LOG.TXT").exists()
 
 

@@ -12,14 +12,17 @@ from typing import Any
 import pytest
 from test_diagnosis_page import page
 
-NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
+OWN = Path(__file__).parents[2] / ".chromium" / "bin" / "chromium"  # of scripts/chromium
+NAMES = (str(OWN), "chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 BROWSER = os.environ.get("CHROMIUM") or next(filter(None, map(shutil.which, NAMES)), None)
 CASES = ("consistent", "explained", "ambiguous", "partial", "unexplained")
 WIDTHS = {"desk": (1280, 900), "phone": (390, 844)}
 SCHEMES = {"dark": 0, "light": 1}
 READABLE = 4.5  # contrast of text, WCAG 2 level AA
 
-pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium; CHROMIUM=PATH names one")
+pytestmark = pytest.mark.skipif(
+    BROWSER is None, reason="no Chromium: scripts/chromium fetches it, CHROMIUM=PATH names one"
+)
 
 # Shows every page in a frame of every width, and writes what it measures into the document.
 MEASURING = """<!DOCTYPE html><meta charset="utf-8"><pre id="found"></pre><script>
