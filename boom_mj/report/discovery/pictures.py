@@ -74,6 +74,8 @@ def over_variables(found: Discovery, law: FoundLaw, rows: list[Missing]) -> Mark
             axes.plot(np.concatenate(parts), does, ".", ms=5, color=CORRECTED)
             axes.plot(np.concatenate(parts), lacking, ".", ms=1.5, color=MEASURED)
             axes.set_xlabel(f"{name}, {units[name]}")
+            axes.locator_params(axis="x", nbins=4)
+            axes.ticklabel_format(axis="x", scilimits=(-3, 4))
         figure.axes[0].set_ylabel(f"missing, {rows[0].unit}")
 
     return draw("variables", f"{rows[0].label}: what is missing over every variable", WIDTH, HEIGHT, paint)
