@@ -1,12 +1,13 @@
 """Spoils what logs mean, in the ways of a bad day on site, and counts how often `check_recordings` names it.
 
-    python scripts/spoil_logs.py FOLDER [--sets 500] [--clean 100] [--seed 1] [--keep FILE.jsonl]
+    python scripts/spoil_logs.py FOLDER [--sets 500] [--clean 100] [--seed 1] [--keep FILE.jsonl] [--seal SEAL]
 
 FOLDER holds cases as the blind check makes them: CASE/train/*.mcap and CASE/holdout/*.mcap. Every set is a case with
 its noise drawn anew (the samples' own, scattered a little) and one to three faults of random kind, channel, place and
 size, in all logs or in some. A fault is named if a finding of its kind is at its channel in at least one of its logs;
 findings at other channels are counted as false. Clean sets have new noise only. What is done is kept line by line in
-FILE.jsonl, and a second call goes on.
+FILE.jsonl, and a second call goes on. With the cases' SEAL every set is diagnosed, too, and its answer held against
+the truth.
 """
 
 import argparse
@@ -18,14 +19,23 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from boom_mj.blind.grading import judge_case
+from boom_mj.diagnosis.answer import document
+from boom_mj.diagnosis.diagnose import diagnose
+from boom_mj.errors import LogError
 from boom_mj.logs import read_log
 from boom_mj.machine import load_machine
 from boom_mj.recording import Recording, Signal
 from boom_mj.replay.quality import check_recordings
 from boom_mj.sensors import noise_levels
+from boom_mj.spreading import spread
+from boom_mj.systems.boom.load import checked_data
+from boom_mj.systems.boom.system import BoomSystem
+from boom_mj.systems.predictor import Predictor
 
 Array = np.ndarray
 Rng = np.random.Generator
@@ -364,21 +374,35 @@ def renewed(case: Set, rng: Rng) -> Set:
     return Set(logs, case.training)
 
 
-def tried(case: Set, name: str, number: int, seed: int, count: int) -> dict:
-    """One set: what was done to it and what was found."""
-    rng = np.random.default_rng([seed, number])
-    spoiled = renewed(case, rng)
-    faults: list[Fault] = []
-    for kind in rng.choice(len(FAULTS), count, replace=False) if count else ():
-        faults.append(FAULTS[kind](rng, spoiled))
-    began, trouble = time.process_time(), ""
+@dataclass(frozen=True)
+class Task:
+    """One set that is tried: its number, its case, the seed, and what was sealed if it is diagnosed."""
+
+    number: int
+    case: Path
+    seed: int
+    sealed: dict[str, Any] | None
+
+    def __str__(self) -> str:
+        return f"set {self.number}"
+
+
+def tried(task: Task) -> dict:
+    """What was done to a set, what was found, and what was answered."""
+    clean, number = task.number < 0, abs(task.number) + (10**6 if task.number < 0 else 0)
+    rng, count = np.random.default_rng([task.seed, number]), 1 + (number % 5 > 1) + (number % 5 > 3)
+    spoiled = renewed(read_case(task.case), rng)
+    kinds = () if clean else rng.choice(len(FAULTS), count, replace=False)
+    faults = [FAULTS[kind](rng, spoiled) for kind in kinds]
+    names = [str(k) for k in range(len(spoiled.logs))]
+    began, trouble, answer = time.process_time(), "", None
     findings: Sequence = ()
     try:
-        findings = check_recordings(
-            MACHINE, spoiled.logs, spoiled.training, [str(k) for k in range(len(spoiled.logs))]
-        ).findings
+        findings = check_recordings(MACHINE, spoiled.logs, spoiled.training, names).findings
+        checked_s = time.process_time() - began
+        answer = task.sealed and answered(spoiled, names, task.sealed)
     except Exception:
-        trouble = traceback.format_exc()
+        checked_s, trouble = time.process_time() - began, traceback.format_exc()
     told = [
         any(f.kind in fault.kinds and int(f.log) in fault.logs and at(f.channel, fault) for f in findings)
         for fault in faults
@@ -389,9 +413,30 @@ def tried(case: Set, name: str, number: int, seed: int, count: int) -> dict:
         if not any(at(f.channel, fault) or not f.channel or "" in fault.channels for fault in faults)
     ]
     return {
-        "number": number, "case": name, "faults": [fault.name for fault in faults], "told": told,
-        "false": sorted(set(false)), "cpu_s": time.process_time() - began, "traceback": trouble,
+        "number": task.number, "case": task.case.name, "faults": [fault.name for fault in faults], "told": told,
+        "false": sorted(set(false)), "cpu_s": checked_s, "traceback": trouble, "answer": answer,
     }  # fmt: skip
+
+
+def answered(spoiled: Set, names: Sequence[str], sealed: dict[str, Any]) -> dict[str, Any]:
+    """The diagnosis of a set, in short."""
+    system = BoomSystem(MACHINE)
+    try:
+        checked = checked_data(system, spoiled.logs, spoiled.training, names)
+    except LogError as error:
+        return {"refused": str(error), "sealed": " + ".join(e["id"] for e in sealed["effects"]) or "none"}
+    said = document(diagnose(Predictor(system, checked.data, threads=1)), checked.names, checked.findings)
+    graded = judge_case("", sealed, said)
+    return {
+        "verdict": said["verdict"], "sealed": graded.truth, "named": graded.answer, "right": graded.right,
+        "held": graded.held, "gap": said["gap"], "probability": graded.probability, "reason": graded.reason,
+    }  # fmt: skip
+
+
+def read_case(folder: Path) -> Set:
+    """Its logs, training first."""
+    parts = [[read_log(path) for path in sorted((folder / part).glob("*.mcap"))] for part in ("train", "holdout")]
+    return Set([*parts[0], *parts[1]], len(parts[0]))
 
 
 def at(channel: str, fault: Fault) -> bool:
@@ -408,27 +453,50 @@ def main() -> int:
     parser.add_argument("--clean", type=int, default=100)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--keep", type=Path, default=Path("spoiled.jsonl"))
+    parser.add_argument("--seal", type=Path, help="truths of the cases: every set is diagnosed as well")
+    parser.add_argument("--jobs", type=int, default=1)
     options = parser.parse_args()
-    cases: dict[str, Set] = {}
-    for folder in sorted(path for root in options.folder for path in root.iterdir() if (path / "train").is_dir()):
-        parts = [[read_log(p) for p in sorted((folder / part).glob("*.mcap"))] for part in ("train", "holdout")]
-        cases[folder.name] = Set([*parts[0], *parts[1]], len(parts[0]))
+    cases = sorted(path for root in options.folder for path in root.iterdir() if (path / "train").is_dir())
+    truths = json.loads(options.seal.read_text())["cases"] if options.seal else {}
+    if truths:  # only of what the library holds something can be named
+        cases = [case for case in cases if truths[case.name]["class"] in ("single", "none")]
     rows = [json.loads(line) for line in options.keep.read_text().splitlines()] if options.keep.exists() else []
     done = {row["number"] for row in rows}
-    names = list(cases)
     numbers = [*range(-options.clean, 0), *range(options.sets)]
     order = sorted(numbers, key=lambda n: (n % 7, n))  # clean and spoiled sets in turn
-    for number in order:
-        if number not in done:
-            name, count = names[number % len(names)], 0 if number < 0 else 1 + (number % 5 > 1) + (number % 5 > 3)
-            rows.append(tried(cases[name], name, abs(number) + (10**6 if number < 0 else 0), options.seed, count))
-            rows[-1]["number"] = number
-            with options.keep.open("a") as stream:
-                stream.write(json.dumps(rows[-1]) + "\n")
-            if len(rows) % 20 == 0:
-                print(f"{len(rows)} of {len(numbers)} sets", file=sys.stderr)
-    print(table([row for row in rows if row["number"] in set(numbers)]))
+    cases = {number: cases[number % len(cases)] for number in order}
+    tasks = [Task(n, cases[n], options.seed, truths.get(cases[n].name)) for n in order if n not in done]
+    for finished in spread(tried, tasks, options.jobs):
+        rows.append(finished.result())
+        with options.keep.open("a") as stream:
+            stream.write(json.dumps(rows[-1]) + "\n")
+        if len(rows) % 20 == 0:
+            print(f"{len(rows)} of {len(numbers)} sets", file=sys.stderr)
+    rows = [row for row in rows if row["number"] in set(numbers)]
+    print(table(rows), *([answers(rows)] if truths else []), sep="\n")
     return 1 if any(row["traceback"] for row in rows) else 0
+
+
+def answers(rows: list[dict]) -> str:
+    """What was answered about sets, by whether something was wrong with them and with the machine, as Markdown."""
+    lines = ["", "| sets | tried | refused | right | held | named wrongly | so at more than 0.5 |", "|" + "---|" * 7]
+    for spoiled in (False, True):
+        for healthy in (True, False):
+            every = [r["answer"] for r in rows if r["answer"] and bool(r["faults"]) == spoiled]
+            tried_ = [a for a in every if (a["sealed"] == "none") == healthy]
+            of = [a for a in tried_ if "refused" not in a]
+            wrong = [a for a in of if not a["right"] and a["verdict"] in ("explained", "ambiguous", "partial")]
+            sure = [a for a in wrong if (a["probability"] or 0) > 0.5]
+            name = f"{'spoiled' if spoiled else 'clean'}, {'nothing' if healthy else 'one effect'}"
+            count = [
+                len(tried_),
+                len(tried_) - len(of),
+                *(sum(a[k] for a in of) for k in ("right", "held")),
+                len(wrong),
+                len(sure),
+            ]
+            lines.append(f"| {name} | " + " | ".join(map(str, count)) + " |")
+    return "\n".join(lines)
 
 
 def table(rows: list[dict]) -> str:

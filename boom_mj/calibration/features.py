@@ -13,7 +13,7 @@ import numpy as np
 from boom_mj.calibration.evidence import COARSE, MIDDLE
 from boom_mj.calibration.parameters import Variant
 from boom_mj.calibration.release import Release, Rest, excited_modes, first_rest, release_of
-from boom_mj.estimation.dataset import Table
+from boom_mj.estimation.channels import Table
 from boom_mj.machine import cylinder_forces
 from boom_mj.simulation import make_plant
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from boom_mj.calibration.decay import Decay, fit_decay
-from boom_mj.estimation.dataset import Table
+from boom_mj.estimation.channels import Table
 from boom_mj.simulation import Plant
 from boom_mj.simulation.plant import Vibration
 from boom_mj.systems.boom.system import BLOCK_S

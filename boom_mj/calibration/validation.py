@@ -16,7 +16,7 @@ from boom_mj.calibration.decay import fit_decay
 from boom_mj.calibration.evidence import FINE, predictor_of
 from boom_mj.calibration.parameters import Variant
 from boom_mj.calibration.release import LEAST_DECAY, SETTLED, release_of, stop_of
-from boom_mj.estimation.dataset import Table
+from boom_mj.estimation.channels import Table
 from boom_mj.recording import Recording, named_signal
 from boom_mj.replay import Group, compare
 from boom_mj.sensors import ideal_signals, noise_levels, sample

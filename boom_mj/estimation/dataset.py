@@ -13,38 +13,13 @@ import numpy as np
 
 from boom_mj.errors import LogError, LogWarning
 from boom_mj.estimation.blocks import block_means, block_numbers, own_noise
+from boom_mj.estimation.channels import Channel, Table
 from boom_mj.recording import Recording, Signal, sample, window
 
 Array = np.ndarray
 Span = tuple[float, float]  # when a recording begins and how long it lasts, s
 RESOLUTION_S = 1e-6  # of stamps since 1970
 SCATTER = 1.3  # by which a channel's own estimate of its noise may be too large by chance
-
-
-@dataclass(frozen=True)
-class Channel:
-    """One channel of one recording, its stretch of the long vector.
-
-    Attributes:
-        recording: index.
-        signal, column: where the channel lies in the recording.
-        group: sensor and direction, such as "imu/link5/specific_force/y" or "markers/link4/z".
-        blocks: numbers of those that were sampled, (n,) of int.
-        time: of their middles, (n,), s from the start of the recording.
-        count: samples of a block, (n,); 0 where all are hidden.
-        measured: means of its blocks, (n,).
-        noise: of a single sample.
-    """
-
-    recording: int
-    signal: str
-    column: int
-    group: str
-    blocks: Array
-    time: Array
-    count: Array
-    measured: Array
-    noise: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,7 +156,7 @@ class Dataset:
             vector[self.recording_of == index] = part
         return vector
 
-    def table(self, index: int) -> "Table":
+    def table(self, index: int) -> Table:
         """A recording's channels on one grid of blocks."""
         (_, duration), channels = self.spans[index], tuple(self.of(index))
         rows = int(np.floor(duration / self.block_s + 1e-6)) + 1
@@ -209,34 +184,6 @@ class Dataset:
         missing = np.setdiff1d(np.arange(int(elapsed[-1] / block + 1e-6)), block_numbers(elapsed, block))
         elapsed = np.union1d(elapsed, (missing[:, None] * block + within).ravel())
         return block_means(elapsed, sample(dense, elapsed), block)[2].T.ravel()
-
-
-@dataclass(frozen=True, eq=False)
-class Table:
-    """Channels of one recording as block means on one grid of times.
-
-    Attributes:
-        log: the recording.
-        channels: k of them.
-        start_s: of the recording.
-        time: middles of the blocks, (n,), s from the start.
-        mean: (n, k); NaN where a channel has no sample.
-        noise: standard deviation of the means, (n, k).
-    """
-
-    log: Recording
-    channels: tuple[Channel, ...]
-    start_s: float
-    time: Array
-    mean: Array
-    noise: Array
-
-    def saying(self, means: Array) -> "Table":
-        """With other means of the blocks that were sampled, channel by channel, (m,)."""
-        mean, first = np.full(self.noise.shape, np.nan), 0
-        for column, channel in enumerate(self.channels):
-            mean[channel.blocks, column] = means[first : (first := first + len(channel.blocks))]
-        return replace(self, mean=mean)
 
 
 def make_dataset(

@@ -10,7 +10,8 @@ from typing import Annotated, Literal, Protocol, Self
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, FiniteFloat, model_validator
 
-from boom_mj.machine.fields import Frozen, NonNegative, Number, Pair, Point2, Positive
+from boom_mj.machine.cylinders import Cylinder2, Cylinder3
+from boom_mj.machine.fields import Frozen, NonNegative, Number, Pair, Positive
 from boom_mj.machine.rig import Camera, Targets
 
 
@@ -124,45 +125,6 @@ class PointMasses(Frozen):
     joint5: NonNegative
     cylinder2: MassAt
     cylinder3: MassAt
-
-
-class Rod(Frozen):
-    x: Number
-    y: Number
-
-
-class _Bore(Frozen):
-    bore: Positive
-    rod_diameter: Positive
-
-    @model_validator(mode="after")
-    def _rod_fits(self) -> Self:
-        if self.rod_diameter >= self.bore:
-            raise ValueError(f"rod_diameter = {self.rod_diameter}: must be below the bore, {self.bore} m")
-        return self
-
-
-class Cylinder2(_Bore):
-    """Two-point cylinder from the turret to link 2, in the joint-2 frame that turns with the slewing gear only."""
-
-    base: Point2
-    rod: Rod
-
-
-class Lever(Frozen):
-    length: Positive
-    angle_deg: Number
-
-
-class Cylinder3(_Bore):
-    """Cylinder on link 2 acting through rocker and coupler on link 3; origin at joint 3, x along link 2 outward."""
-
-    base: Point2
-    rocker_pivot: Point2
-    rocker_length: Positive
-    coupler_length: Positive
-    lever: Lever
-    branch: Literal[-1, 1]
 
 
 class EndHose(Frozen):

@@ -11,7 +11,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from boom_mj.estimation.dataset import Channel
+from boom_mj.estimation.channels import Channel
 from boom_mj.report.colours import CORRECTED, FAINT, MEASURED, QUIET
 from boom_mj.report.diagnosis.geometry import Side, place_of, side_view
 from boom_mj.report.diagnosis.view import View
