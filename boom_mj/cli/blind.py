@@ -43,7 +43,7 @@ def make(
     seal: Annotated[Path, typer.Option(metavar="FILE", help="File for the answers, outside DIR.")],
     machine: Annotated[str, typer.Option(help="Machine file, or a name such as boom36.")] = "boom36",
     short: Annotated[
-        bool, typer.Option("--short", help="Two training recordings and one held out, 30 s each.")
+        bool, typer.Option("--short", help="Two training recordings and one held out, 150 s in all.")
     ] = False,
     mix: Annotated[str, typer.Option(metavar="CLASS=SHARE,...", help="Shares of the classes of cases.")] = "",
     jobs: Jobs = 1,
