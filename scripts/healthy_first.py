@@ -1,4 +1,4 @@
-"""What healthy logs are worth: machines as built, diagnosed in three ways; tables of docs/results/healthy_first.md.
+"""What healthy logs are worth: machines as built, diagnosed in three ways; prints tables.
 
     python scripts/healthy_first.py SEED_FILE [--machines 20] [--jobs 2] [--keep FILE.jsonl]
 

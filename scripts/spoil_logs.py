@@ -6,8 +6,8 @@ FOLDER holds cases as the blind check makes them: CASE/train/*.mcap and CASE/hol
 its noise drawn anew (the samples' own, scattered a little) and one to three faults of random kind, channel, place and
 size, in all logs or in some. A fault is named if a finding of its kind is at its channel in at least one of its logs;
 findings at other channels are counted as false. Clean sets have new noise only. What is done is kept line by line in
-FILE.jsonl, and a second call goes on. With the cases' SEAL every set is diagnosed, too, and its answer held against
-the truth.
+FILE.jsonl, and a second call goes on. With the cases' SEAL sets keep their noise and are diagnosed, too, and answers
+held against the truth.
 """
 
 import argparse
@@ -24,10 +24,10 @@ from typing import Any
 import numpy as np
 
 from boom_mj.blind.grading import judge_case
+from boom_mj.blind.run import case_logs
 from boom_mj.diagnosis.answer import document
 from boom_mj.diagnosis.diagnose import diagnose
 from boom_mj.errors import LogError
-from boom_mj.logs import read_log
 from boom_mj.machine import load_machine
 from boom_mj.recording import Recording, Signal
 from boom_mj.replay.quality import check_recordings
@@ -391,7 +391,10 @@ def tried(task: Task) -> dict:
     """What was done to a set, what was found, and what was answered."""
     clean, number = task.number < 0, abs(task.number) + (10**6 if task.number < 0 else 0)
     rng, count = np.random.default_rng([task.seed, number]), 1 + (number % 5 > 1) + (number % 5 > 3)
-    spoiled = renewed(read_case(task.case), rng)
+    train, held_out = case_logs(task.case)
+    spoiled = Set([*train, *held_out], len(train))
+    if not task.sealed:  # noise beyond the machine file's would be a gap to a diagnosis
+        spoiled = renewed(spoiled, rng)
     kinds = () if clean else rng.choice(len(FAULTS), count, replace=False)
     faults = [FAULTS[kind](rng, spoiled) for kind in kinds]
     names = [str(k) for k in range(len(spoiled.logs))]
@@ -431,12 +434,6 @@ def answered(spoiled: Set, names: Sequence[str], sealed: dict[str, Any]) -> dict
         "verdict": said["verdict"], "sealed": graded.truth, "named": graded.answer, "right": graded.right,
         "held": graded.held, "gap": said["gap"], "probability": graded.probability, "reason": graded.reason,
     }  # fmt: skip
-
-
-def read_case(folder: Path) -> Set:
-    """Its logs, training first."""
-    parts = [[read_log(path) for path in sorted((folder / part).glob("*.mcap"))] for part in ("train", "holdout")]
-    return Set([*parts[0], *parts[1]], len(parts[0]))
 
 
 def at(channel: str, fault: Fault) -> bool:
@@ -488,14 +485,9 @@ def answers(rows: list[dict]) -> str:
             wrong = [a for a in of if not a["right"] and a["verdict"] in ("explained", "ambiguous", "partial")]
             sure = [a for a in wrong if (a["probability"] or 0) > 0.5]
             name = f"{'spoiled' if spoiled else 'clean'}, {'nothing' if healthy else 'one effect'}"
-            count = [
-                len(tried_),
-                len(tried_) - len(of),
-                *(sum(a[k] for a in of) for k in ("right", "held")),
-                len(wrong),
-                len(sure),
-            ]
-            lines.append(f"| {name} | " + " | ".join(map(str, count)) + " |")
+            right, held = (sum(a[key] for a in of) for key in ("right", "held"))
+            counts = len(tried_), len(tried_) - len(of), right, held, len(wrong), len(sure)
+            lines.append(f"| {name} | " + " | ".join(map(str, counts)) + " |")
     return "\n".join(lines)
 
 

@@ -15,8 +15,8 @@ from pathlib import Path
 import numpy as np
 from spoil_logs import COMMAND, DRIVE, FORCE, MACHINE, MARKERS, Logs, change, picked, without
 
+from boom_mj.blind.run import case_logs
 from boom_mj.errors import BoomError
-from boom_mj.logs import read_log
 from boom_mj.recording import Recording
 from boom_mj.replay.quality import check_recordings
 
@@ -169,10 +169,10 @@ def main() -> int:
     parser.add_argument("--only", default="", help="rows that hold a word")
     parser.add_argument("--other", type=Path, help="a case of another state of the machine")
     given = parser.parse_args()
-    train, held_out = logs_of(given.case)
+    train, held_out = case_logs(given.case)
     rows = list(ROWS)
     if given.other:
-        other = logs_of(given.other)[1]
+        other = case_logs(given.other)[1]
         rows.append(("training logs of one machine, held-out ones of another", lambda logs, n: [*logs[:n], *other]))
     print("| spoiled logs | findings | what is said of the first |\n|---|---|---|")
     for name, spoil in rows:
@@ -180,10 +180,6 @@ def main() -> int:
             logs = spoil([*train, *held_out], len(train))
             print(f"| {name} | {' | '.join(said(logs, len(train)))} |", flush=True)
     return 0
-
-
-def logs_of(folder: Path) -> tuple[Logs, Logs]:
-    return tuple([read_log(p) for p in sorted((folder / part).glob("*.mcap"))] for part in ("train", "holdout"))
 
 
 def said(logs: Logs, training: int) -> tuple[str, str]:

@@ -19,10 +19,13 @@ from boom_mj.errors import InputError
 from boom_mj.files import locked, read_bytes, read_json, read_text, write_text
 from boom_mj.logs import read_log
 from boom_mj.machine import parse_machine
+from boom_mj.recording import Recording
 from boom_mj.spreading import spread
 from boom_mj.systems.boom.load import CheckedData, checked_data
 from boom_mj.systems.boom.system import BoomSystem
 from boom_mj.systems.predictor import Predictor
+
+PARTS = "train", "holdout"  # folders of a case
 
 
 def waiting_cases(folder: Path, answers: Path) -> tuple[list[Path], int]:
@@ -82,8 +85,13 @@ def solve(case: Path, machine: str, most: int | None = None) -> str:
 
 
 def checked_case(case: Path, machine: str) -> tuple[BoomSystem, CheckedData]:
-    """The recordings of a case."""
-    train, held_out = (sorted((case / part).glob("*.mcap")) for part in ("train", "holdout"))
-    logs = [read_log(path) for path in (*train, *held_out)]
+    """The nominal boom and the recordings of a case."""
+    train, held_out = case_logs(case)
     system = BoomSystem(parse_machine(machine))
-    return system, checked_data(system, logs, len(train))
+    return system, checked_data(system, [*train, *held_out], len(train))
+
+
+def case_logs(case: Path) -> tuple[list[Recording], list[Recording]]:
+    """Logs of a case for training, and held out, by name."""
+    train, held_out = ([read_log(path) for path in sorted((case / part).glob("*.mcap"))] for part in PARTS)
+    return train, held_out

@@ -87,6 +87,14 @@ def test_every_fault_is_named_at_its_channel_and_inputs_stay(fault: object) -> N
         assert document["from_s"] <= document["to_s"]
 
 
+def test_joints_that_follow_late_do_not_stand_still() -> None:
+    logs = [
+        log.with_signals({spoil_logs.DRIVE: replace(log[spoil_logs.DRIVE], time=log[spoil_logs.DRIVE].time + 0.39)})
+        for log in simulated(*OFFSETS)
+    ]
+    assert found_in(logs) == {("clock", spoil_logs.DRIVE)}
+
+
 def test_what_is_repaired_is_found_no_more() -> None:
     spoiled = spoil_logs.Set(list(simulated(*OFFSETS)), TRAINING)
     for fault in (spoil_logs.swapped, spoil_logs.unit, spoil_logs.joint_unit, spoil_logs.frozen):

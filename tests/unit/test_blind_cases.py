@@ -9,6 +9,7 @@ import pytest
 
 import boom_mj
 from boom_mj.blind import MIX, SHORT, make_cases, waiting_cases
+from boom_mj.blind.generate import SUITE, Suite
 from boom_mj.blind.plant import AS_BUILT, HINGES, nuisances, true_plant
 from boom_mj.blind.sampling import draw, orders
 from boom_mj.blind.sandbox import confined_to
@@ -35,6 +36,14 @@ def test_classes_have_their_shares_and_effects_are_dealt_evenly() -> None:
     for order in found:
         assert len(set(order.ids)) == {"none": 0, "pair": 2}.get(order.kind, 1)
         assert (order.without in order.ids) == (order.kind == "withheld")
+
+
+@pytest.mark.parametrize("suite", [SUITE, SHORT], ids=["whole", "short"])
+def test_joints_whose_friction_may_be_asked_for_move_in_training_and_held_out(suite: Suite) -> None:
+    kinds = [builtin()[name] for name in ("joint_friction", "viscous_friction")]
+    asked = {site.location["joint"] for kind in kinds for site in kind.allowed(BOOM_SITES)}
+    for part in (suite.train, suite.holdout):
+        assert asked <= {move.joint for experiment in part for move in experiment.move}
 
 
 def test_more_classes_leave_the_others_as_they_are() -> None:

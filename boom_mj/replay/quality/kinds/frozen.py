@@ -19,7 +19,8 @@ FOLLOWS = 0.25  # of that, which a joint moves at least; sound ones move as much
 class Frozen(Check):
     """Within WINDOW a joint's command moves by MOVES and the joint by less than FOLLOWS of that, noise included.
 
-    The stretch is bridged along the command.
+    The stretch is bridged along the command. Joints that follow late, all of them as much, stand still only if they do
+    beside the command of then, too.
     """
 
     kind = "frozen"
@@ -32,9 +33,11 @@ class Frozen(Check):
                 continue
             joints, noise = evidence.recordings[index][DRIVE], evidence.noise(index, DRIVE)
             size = max(3, round(WINDOW / float(np.median(np.diff(joints.time)))))
+            before = _delayed(should, _lag(joints.values / noise, should / noise, size))
             for column, channel in enumerate(joints.channels):
-                moved, commanded = (_range(x[:, column], size) for x in (joints.values, should))
-                still = (commanded > MOVES * noise[column]) & (moved < FOLLOWS * commanded)
+                moved, *commanded = (_range(x[:, column], size) for x in (joints.values, should, before))
+                least = np.minimum(*commanded)
+                still = (least > MOVES * noise[column]) & (moved < FOLLOWS * least)
                 for start, stop in spans(still):
                     start, stop = max(0, start - size // 2), min(len(still), stop + size // 2)
                     bad = np.zeros(joints.values.shape, bool)
@@ -46,6 +49,16 @@ class Frozen(Check):
                         self.kind, index, f"{DRIVE}/{channel}", text, Action.REPAIRED, True, span
                     )
                     yield Found(index, finding, blanked(DRIVE, bad))
+
+
+def _delayed(values: np.ndarray, rows: int) -> np.ndarray:
+    """What they were some rows before, (n, k)."""
+    return values[np.maximum(np.arange(len(values)) - rows, 0)]
+
+
+def _lag(values: np.ndarray, commands: np.ndarray, most: int) -> int:
+    """By how many rows commands are delayed where they are most like values, (n, k) both."""
+    return int(np.argmin([np.nansum((values - _delayed(commands, rows)) ** 2) for rows in range(most + 1)]))
 
 
 def _range(values: np.ndarray, size: int) -> np.ndarray:
