@@ -20,6 +20,7 @@ Array = np.ndarray
 Span = tuple[float, float]  # when a recording begins and how long it lasts, s
 RESOLUTION_S = 1e-6  # of stamps since 1970
 SCATTER = 1.3  # by which a channel's own estimate of its noise may be too large by chance
+CHANCE = 5.0  # over the root of samples, by which that of all channels of a signal may be: three standard deviations
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,6 +211,7 @@ def make_dataset(
     if not recordings or training < 1:
         raise LogError("a diagnosis needs at least one recording to learn from")
     cut = tuple(_while_driven(log, span, noise) for log, span in zip(recordings, spans))
+    noise = {s: levels * _louder([log[s] for log in cut if s in log], levels) for s, levels in noise.items()}
     channels = []
     for index, log in enumerate(cut):
         for name, levels in noise.items():
@@ -224,6 +226,13 @@ def make_dataset(
                 level = max(float(least[column]), own_noise(values[:, column]) / SCATTER)
                 channels.append(Channel(index, name, column, group(name, column), blocks, time, count, mean, level))
     return Dataset(cut, training, tuple(spans), tuple(channels), block_s, correlation_s, first)
+
+
+def _louder(signals: Sequence[Signal], least: Array) -> float:
+    """By how much what all channels of a signal scatter by exceeds its least noise (k,), beyond chance; 1 at least."""
+    own = [own_noise(values) / level for s in signals for values, level in zip(s.values.T, least) if level > 0]
+    samples = sum(np.isfinite(signal.values).sum() for signal in signals)
+    return max(1.0, float(np.median(own)) / (1 + CHANCE / np.sqrt(samples))) if own else 1.0
 
 
 def _while_driven(log: Recording, span: Span, names: Mapping[str, Array]) -> Recording:

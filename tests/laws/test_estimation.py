@@ -27,13 +27,13 @@ MOST = 2.0  # prior deviations of a nuisance that is none of those held at their
 
 
 @cache
-def data() -> Dataset:
-    """Three recordings of two signals, one and two channels; the last is held out."""
+def data(louder: float = 1.0) -> Dataset:
+    """Three recordings of two signals, one and two channels; the last is held out. Their noise may exceed its least."""
     time, levels = np.arange(0, LASTS_S, 1 / RATE_HZ), {"a": np.array([1.0]), "b": np.array([0.3, 2.0])}
     rng = np.random.default_rng(0)
 
     def signal(name: str) -> Signal:
-        values = levels[name] * rng.standard_normal((len(time), len(levels[name])))
+        values = louder * levels[name] * rng.standard_normal((len(time), len(levels[name])))
         return Signal(time, values, tuple(f"{name}{k}" for k in range(len(levels[name]))), "1", "world")
 
     logs = [Recording(f"log{k}", "none", "", {name: signal(name) for name in levels}) for k in range(3)]
@@ -99,6 +99,14 @@ def estimated(
     }
     model = SimpleNamespace(data=about.noise.data, posterior=about, **about_it)
     return found, deviations(model, fit)
+
+
+@pytest.mark.parametrize("louder", [0.8, 1.0, 1.2])
+def test_noise_is_what_all_channels_of_a_signal_show_and_no_less_than_its_least(louder: float) -> None:
+    noise = {(c.signal, c.column): c.noise for c in data(louder).channels}
+    least = {("a", 0): 1.0, ("b", 0): 0.3, ("b", 1): 2.0}
+    for channel, level in least.items():
+        assert 0.9 * max(louder, 1.0) < noise[channel] / level < 1.02 * max(louder, 1.0)
 
 
 @pytest.mark.parametrize(
