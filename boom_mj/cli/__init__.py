@@ -84,8 +84,10 @@ def run(arguments: Sequence[str] | None = None) -> int:
     quiet = QUIET in words
     if words and not AT_ONCE & {*words}:
         from boom_mj.engine import keep_no_log
+        from boom_mj.workers import return_memory
 
         keep_no_log()
+        return_memory()
     warnings.simplefilter("always", LogWarning)
     warnings.showwarning = _show_warning
     if isinstance(sys.stdout, io.TextIOWrapper):
