@@ -18,6 +18,8 @@ from boom_mj.logs import read_log
 from boom_mj.machine import load_machine, parse_machine
 from boom_mj.recording import Recording, Signal, window
 from boom_mj.systems.boom import BoomSystem
+from boom_mj.systems.boom.system import COARSE, FINE, MIDDLE
+from boom_mj.systems.fidelity import Level
 from boom_mj.systems.mjcf import MjcfSystem
 from boom_mj.systems.predictor import Predictor, dataset_of
 from boom_mj.systems.system import (
@@ -192,6 +194,15 @@ def test_what_a_system_can_beyond_that_is_told_by_its_type() -> None:
     beyond = (ResidualForces, Designs, Corrects, LinearResponse)
     assert [isinstance(case("boom").system, one) for one in beyond] == [True] * 4
     assert [isinstance(case("mjcf").system, one) for one in beyond] == [False, False, True, False]
+
+
+@pytest.mark.parametrize("level", [COARSE, MIDDLE, FINE])
+def test_a_motion_that_the_step_of_the_stretched_boom_does_not_bear_has_a_shorter_one(level: Level) -> None:
+    """An undamped cylinder whose fastest mode is at the edge of what the step bears."""
+    soft = make_effect("hydraulic_compliance", {"joint": 3, "stiffness": 2.3e7, "damping_factor": 0.0})
+    signals = boom().simulate((soft,), level, short_log())
+    assert all(np.isfinite(signal.values).all() for signal in signals.values())
+    assert np.ptp(signals["markers"].values, axis=0).max() < 5
 
 
 def test_an_angle_error_moves_the_boom_as_zero_offsets_do() -> None:

@@ -1,6 +1,8 @@
 """The boom as a system: its logged joint angles drive the model, its other sensors are compared."""
 
 from collections.abc import Mapping, Sequence
+from copy import copy
+from dataclasses import replace
 from threading import Lock
 from typing import Any
 
@@ -16,6 +18,7 @@ from boom_mj.effects import (
     Site,
     effects_of,
 )
+from boom_mj.errors import SimulationError
 from boom_mj.estimation.dataset import Dataset
 from boom_mj.machine import Machine
 from boom_mj.mjcf import BoomModel, build
@@ -58,6 +61,7 @@ BLOCK_S, CORRELATION_S = 0.1, 5.0
 BANDS_HZ = (("static", 0.2), ("first mode", 0.8), ("second mode", 2.5), ("above", np.inf))
 MAX_CAUSES = 2  # unless asked otherwise
 FIRST = 0.6  # of a recording, where none is held out
+HALVINGS = 2  # of the step of a motion that diverges
 KEPT = 24  # models, and compiled ones
 
 
@@ -157,10 +161,24 @@ class BoomSystem:
                 machine = effect.change(machine)
         hypothesis = (*effects_of(machine), *hypothesis)
         plant = self._plant(machine, hypothesis, level)
+        for _ in range(HALVINGS):
+            try:
+                return self._run(plant, log)
+            except SimulationError:  # what is stable stretched need not be so elsewhere
+                plant = replace(plant, model=copy(plant.model))
+                plant.model.opt.timestep /= 2
+        return self._run(plant, log)
+
+    def _run(self, plant: Plant, log: Recording) -> Trajectory:
+        """At the model's own step.
+
+        Raises:
+            EquilibriumError, SimulationError: the machine has no such motion.
+        """
         joints = log[DRIVE]
         steps = step_times(plant, float(joints.time[-1] - joints.time[0]))
         reading, force = self._inputs(steps, log)
-        return run(plant, true_angles(hypothesis, reading), force)
+        return run(plant, true_angles(plant.effects, reading), force)
 
     def _plant(self, machine: Machine, hypothesis: Hypothesis, level: Level) -> Plant:
         """The compiled model of a hypothesis; the last few are kept, for its other recordings."""
@@ -169,7 +187,7 @@ class BoomSystem:
         with self._compiling:
             if made not in self._booms:
                 _make_room(self._booms)
-                self._booms[made] = build(machine, level.hinges)
+                self._booms[made] = build(machine, level.hinges, drawn=False)
                 self._booms[made].spec.option.timestep *= level.step
             if key not in self._plants:
                 _make_room(self._plants)
