@@ -157,7 +157,7 @@ def _diagnose(predictor: Predictor, without: Sequence[str], clock: Clock, most: 
     scored: list[Scored] = []
     promise = screened[0].share * training**2 if screened else 0.0
     if screened and (max(gaps) > criteria.healthy_gap or promise > criteria.healthy_promise):
-        scored = singles(model, screened, clock)
+        scored = singles(model, screened, gaps, clock)
     fall = before**2 - scored[0].held_out ** 2 if scored else 0.0
     worth = bool(scored) and (before > criteria.healthy_gap or fall > criteria.least_gain / 2)
     if worth:
@@ -166,8 +166,8 @@ def _diagnose(predictor: Predictor, without: Sequence[str], clock: Clock, most: 
     found = concluded(scored)
     keep(found)
     other = None if found.solved else _extended(found, criteria.explained_gap, without, clock, most, keep)
-    if worth and not other and not complete(gaps, scored[0]):
-        found = concluded(combined(scored, gaps, without, clock, most))
+    if worth and screening and not other and not complete(gaps, scored[0]):
+        found = concluded(combined(scored, gaps, screening, clock, most))
         other = None if found.solved else _extended(found, criteria.near_noise_gap, without, clock, most, keep)
     return other if other and other.solved else found
 

@@ -6,16 +6,17 @@ J^T r . w / <r, r> of the training misfit. All candidates go in one batch, and w
 what the two have in common is known: the nuisances, and the effects that the machine has already.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import gammaincc
 
 from boom_mj.diagnosis.candidate import Candidate, Kind, apart
 from boom_mj.diagnosis.linearisation import Linearisation
-from boom_mj.effects import Effect
+from boom_mj.effects import Effect, is_output
 from boom_mj.estimation.least_squares import OPTIONS
 from boom_mj.systems.system import Hypothesis, LinearResponse
 
@@ -75,29 +76,32 @@ class Screening:
         lines_hz: Sequence[float],
         given: tuple[Effect, ...] = (),
     ):
-        self.model, self.given = model, given
+        self.model, self.given, self.kinds = model, given, tuple(kinds)
         free = [(kind, site) for kind, site in kinds if apart(kind, site, given)]
         self.rows = [(kind, site, group) for kind, site in free for group in kind.screening(site, lines_hz) if group]
         points = [kind(site, **values) for kind, site, group in self.rows for values in group]
         known, data, noise = Candidate(given), model.data, model.noise
         train, level = data.train, model.facts.fidelity.rough
         steps, moved = known.steps(known.start)
-        nuisances = [(*given, *t.hypothesis) for t in model.nuisances]
+        about = {effect.cause for effect in given} == {effect.cause for effect in model.effects}
+        same = about and level == model.facts.fidelity.coarse  # then the model's own columns are these
+        nuisances = [] if same else [(*given, *t.hypothesis) for t in model.nuisances]
         loose = [*nuisances, *moved]
         long = [point for point in dict.fromkeys(points) if self._response(point, model.columns) is None]
         whole = [given, *loose, *((*given, point) for point in long)]
         found = model.predictor.predictions(whole, level, data.trained)
         base = next(found)
         changes = np.nan_to_num([next(found) - base for _ in loose]).reshape(len(loose), len(base)).T
-        rough = changes[:, : len(nuisances)] * [t.deviation for t in model.nuisances]
+        simulated = changes[:, : len(nuisances)] * [t.deviation for t in model.nuisances[: len(nuisances)]]
+        own = model if same else model.with_noise(noise, simulated)
         known_columns = [noise.white(c)[train] / s for c, s in zip(changes.T[len(nuisances) :], steps)]
-        self.follow = np.column_stack([model.with_noise(noise, rough).posterior.trained, *known_columns])
+        self.follow = np.column_stack([own.posterior.trained, *known_columns])
         number = {point: k for k, point in enumerate(points)}
         self.columns = np.empty((int(train.sum()), len(points)), np.float32)  # (training, c)
         for point, prediction in zip(long, found):
             self.columns[:, number[point]] = noise.white(prediction - base)[train]
         for k, point in enumerate(points):
-            if (known_response := self._response(point, rough)) is not None:
+            if (known_response := self._response(point, own.columns)) is not None:
                 self.columns[:, k] = noise.white(known_response)[train]
             elif number[point] != k:
                 self.columns[:, k] = self.columns[:, number[point]]
@@ -107,17 +111,10 @@ class Screening:
 
     def rank(self, residual: Array) -> list[Screened]:
         """Candidates by the share of a whitened residual that they may explain, best first, each at its best point."""
-        budget = self.model.budget
-        slopes, curvature, _, whole = self.normal_equations(residual)
-        found: dict[tuple, list[Screened]] = {}
-        for (kind, site, group), part in zip(self.rows, self.stretches):
-            weights = np.linalg.solve(curvature(part, part) + np.eye(len(group)) / budget.weight_prior**2, slopes[part])
-            values = kind.combine(site, group, weights)
-            effect = kind(site, **values)
-            share = float(slopes[part] @ weights / whole) if _acts(effect, values) else 0.0
-            share = max(share, self._of_latent(effect, residual))
-            candidate = Candidate((effect,))
-            found.setdefault(candidate.places, []).append(Screened(candidate, share))
+        budget, found = self.model.budget, dict[tuple, list[Screened]]()
+        for effect, share in self._alone(residual):
+            one = Screened(Candidate((effect,)), max(share, self._of_latent(effect, residual)))
+            found.setdefault(one.candidate.places, []).append(one)
         least = budget.alike_share * max((s.share for alike in found.values() for s in alike), default=0.0)
         ranked = []
         for alike in found.values():
@@ -128,6 +125,29 @@ class Screening:
                     starts.append(other)
             ranked.append(replace(best, others=tuple(starts[1:])))
         return sorted(ranked, key=lambda s: -s.share)
+
+    def promising(self, residual: Array) -> list[Kind]:
+        """Kinds and sites but for those that cost simulations and promise little of a whitened residual (N,).
+
+        What promises the most stays, and what has no column here or a latent input.
+        """
+        shares: dict[tuple, float] = {}
+        for effect, share in self._alone(residual):
+            free = is_output(effect) or self._response(effect, self.model.columns) is not None
+            if not free and not effect.basis(0.0):
+                shares[effect.cause] = max(share, shares.get(effect.cause, 0.0))
+        little = sorted(shares, key=lambda cause: -shares[cause])[self.model.budget.again :]
+        return [(kind, site) for kind, site in self.kinds if (kind.id, site.key) not in little]
+
+    def _alone(self, residual: Array) -> Iterator[tuple[Effect, float]]:
+        """Of every group of columns the effect that suits a residual best, and the share that it may explain of it."""
+        slopes, curvature, _, whole = self.normal_equations(residual)
+        prior = self.model.budget.weight_prior**-2
+        for (kind, site, group), part in zip(self.rows, self.stretches):
+            weights = np.linalg.solve(curvature(part, part) + prior * np.eye(len(group)), slopes[part])
+            values = kind.combine(site, group, weights)
+            effect = kind(site, **values)
+            yield effect, float(slopes[part] @ weights / whole) if _acts(effect, values) else 0.0
 
     def mimicked(self, effects: Hypothesis, residual: Array, enough: float) -> float:
         """How many kinds of other effects these would explain, had one of them caused a gap as large as a residual's.
@@ -207,19 +227,24 @@ class Screening:
 
 
 def spectral_lines(model: Linearisation, residual: Array) -> list[float]:
-    """Frequencies (Hz) that stand out of the whitened channels that listen, in every training recording."""
-    data, budget, total = model.data, model.budget, None
+    """Frequencies (Hz) that stand out of the whitened channels that listen, in every training recording.
+
+    Of white noise a channel's power is exponentially distributed, their sum by a gamma distribution.
+    """
+    data, budget, powers = model.data, model.budget, []
     grid = np.arange(budget.line_low_hz, budget.line_high_hz, 0.005)
     for number, channel in enumerate(data.channels):
         if channel.signal == model.facts.line_signal and channel.recording in data.trained:
             part = residual[data.stretch(number)]
-            part = part - part.mean()
+            part, taper = part - part.mean(), np.hanning(len(part))
             phase = np.exp(-2j * np.pi * grid[:, None] * channel.time[None, :])
-            power = np.abs(phase @ (part * np.hanning(len(part)))) ** 2 / (part @ part + 1)
-            total = power if total is None else total + power
-    if total is None:
+            mean = (part @ part + 1) * np.mean(taper**2)
+            powers.append(np.abs(phase @ (part * taper)) ** 2 / mean)
+    if not powers:
         return []
+    total = np.sum(powers, axis=0)
     peaks = np.flatnonzero((total[1:-1] > total[:-2]) & (total[1:-1] >= total[2:])) + 1
+    peaks = peaks[gammaincc(len(powers), total[peaks]) * len(peaks) < budget.line_chance]
     return [float(grid[k]) for k in peaks[np.argsort(-total[peaks])][: budget.lines]]
 
 

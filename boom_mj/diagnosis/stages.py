@@ -5,7 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from boom_mj.diagnosis.candidate import Candidate, apart, everywhere
+from boom_mj.diagnosis.candidate import Candidate, apart
 from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.decision import Gaps, choose, complete, nested, solved, useful
 from boom_mj.diagnosis.fitting import fit, grid_starts, refine_jointly
@@ -16,10 +16,11 @@ from boom_mj.effects import Effect
 from boom_mj.estimation.least_squares import OPTIONS
 
 
-def singles(model: Linearisation, screened: Sequence[Screened], clock: Clock) -> list[Scored]:
+def singles(model: Linearisation, screened: Sequence[Screened], as_built: Gaps, clock: Clock) -> list[Scored]:
     """The best few of a screening, fitted and scored, best first."""
     clock.tell("fitting " + ", ".join(s.candidate.label for s in screened[: model.budget.finalists]))
-    return _fit_all(model, [start for s in shortlist(model, screened) for start in s.starts], clock)
+    promised = [(start, s.share) for s in shortlist(model, screened) for start in s.starts]
+    return _fit_by_promise(model, promised, as_built[0], clock)
 
 
 def refined(scored: list[Scored], as_built: Gaps, clock: Clock) -> list[Scored]:
@@ -28,19 +29,20 @@ def refined(scored: list[Scored], as_built: Gaps, clock: Clock) -> list[Scored]:
     return _simplified(scored, as_built, clock) if scored and solved(as_built, scored[0]) else scored
 
 
-def combined(scored: list[Scored], as_built: Gaps, without: Sequence[str], clock: Clock, most: int) -> list[Scored]:
+def combined(scored: list[Scored], as_built: Gaps, nominal: Screening, clock: Clock, most: int) -> list[Scored]:
     """With combinations, where single causes do not decide, or one decides that may hide another; simplified.
 
     Args:
+        nominal: of the machine without them.
         most: causes of a combination.
     """
     for size in range(2, most + 1):
         if not scored or clock.over(f"{size} causes together"):
             return scored
         if not solved(as_built, scored[0]):
-            scored = _combine(scored, size, as_built, without, clock)
+            scored = _combine(scored, size, as_built, nominal, clock)
         elif len(scored[0].fit.effects) == size - 1 and not complete(as_built, scored[0]):
-            scored = _revealed(scored, without, clock)
+            scored = _revealed(scored, nominal, clock)
     return _simplified(scored, as_built, clock)
 
 
@@ -55,6 +57,23 @@ def shortlist(model: Linearisation, screened: Sequence[Screened]) -> list[Screen
             chosen.append(s)
             kinds.add(s.candidate.effects[0].id)
     return chosen
+
+
+def _fit_by_promise(
+    model: Linearisation, promised: Sequence[tuple[Candidate, float]], before: float, clock: Clock
+) -> list[Scored]:
+    """Candidates that promise a share of a gap; where the best of a machine that swings close most of it, these only.
+
+    Args:
+        before: the gap in training.
+    """
+    most = max((share for _, share in promised), default=0.0)
+    enough = 1 - model.budget.close**2 * (1 - most) if model.facts.oscillatory else 0.0
+    found = _fit_all(model, [one for one, share in promised if share >= enough], clock)
+    others = [one for one, share in promised if share < enough]
+    if others and not (found and found[0].train < near(model, before)):
+        found = _best_of_each([*found, *_fit_all(model, others, clock)])
+    return found
 
 
 def _fit_all(model: Linearisation, candidates: Sequence[Candidate], clock: Clock) -> list[Scored]:
@@ -88,7 +107,7 @@ def _best_of_each(found: Iterable[Scored]) -> list[Scored]:
     return list(best.values())
 
 
-def _combine(scored: list[Scored], size: int, as_built: Gaps, without: Sequence[str], clock: Clock) -> list[Scored]:
+def _combine(scored: list[Scored], size: int, as_built: Gaps, nominal: Screening, clock: Clock) -> list[Scored]:
     """Forward, with a swap: partners for the leader, others for its best partner, then for the next leader."""
     model = scored[0].model
     leaders = [j for j in scored if len(j.fit.effects) == size - 1 and useful(j, as_built)]
@@ -97,30 +116,32 @@ def _combine(scored: list[Scored], size: int, as_built: Gaps, without: Sequence[
     saving = model.facts.oscillatory  # where all is soon tried a tie is worth the look
     while trunks and not (saving and solved(as_built, scored[0])):
         about, trunk = trunks.pop(0)
-        scored = _paired(scored, about, trunk, _partners(about, trunk, without, clock), before, clock)
+        scored = _paired(scored, about, trunk, _partners(about, trunk, nominal, clock), before, clock)
         if first and len(scored[0].fit.effects) == size:
             trunks.insert(0, (scored[0].model, scored[0].fit.effects[1:]))
         first = False
     return scored
 
 
-def _revealed(scored: list[Scored], without: Sequence[str], clock: Clock) -> list[Scored]:
+def _revealed(scored: list[Scored], nominal: Screening, clock: Clock) -> list[Scored]:
     """With pairs of a leader that suffices, where screening promises much of what it leaves."""
     leader = scored[0]
     model, trunk, square = leader.model, leader.fit.effects, leader.train**2
-    partners = _partners(model, trunk, without, clock)
+    partners = _partners(model, trunk, nominal, clock)
     promise = max((partner.share for partner in partners), default=0.0) * square
     if promise < model.budget.second_promise * (square - 1):
         return scored
     return _paired(scored, model, trunk, partners, leader.gaps, clock)
 
 
-def _partners(model: Linearisation, trunk: tuple[Effect, ...], without: Sequence[str], clock: Clock) -> list[Screened]:
-    """What screening suggests about the machine that effects make."""
+def _partners(model: Linearisation, trunk: tuple[Effect, ...], nominal: Screening, clock: Clock) -> list[Screened]:
+    """What screening suggests about the machine that effects make, of what suits what they leave of the nominal one."""
     clock.tell("screening beside " + Candidate(trunk).label)
-    raw = model.residual(*model.predict([trunk]))
-    lines = spectral_lines(model, model.clean(raw))
-    return Screening(model, everywhere(model.system, without), lines, trunk).rank(raw)[: model.budget.partners]
+    (prediction,) = model.predict([trunk])
+    raw = model.residual(prediction)
+    left = nominal.model.noise.white(model.data.measured - prediction - model.mean_error)
+    kinds = nominal.promising(left) if model.facts.oscillatory else nominal.kinds
+    return Screening(model, kinds, spectral_lines(model, model.clean(raw)), trunk).rank(raw)[: model.budget.partners]
 
 
 def _paired(
@@ -133,10 +154,11 @@ def _paired(
 ) -> list[Scored]:
     """With effects together with partners, and with what does well without them."""
     tried = {one.fit.candidate.places for one in scored}
-    pairs = [Candidate((*trunk, *start.effects)) for partner in partners for start in partner.starts]
-    pairs = [pair for pair in (*pairs, *_shared(trunk, scored)) if pair.places not in tried]
-    clock.tell("combinations: " + ", ".join(dict.fromkeys(pair.label for pair in pairs)))
-    found = _refined(_fit_all(model, pairs, clock), before, clock)
+    pairs = [(Candidate((*trunk, *start.effects)), partner.share) for partner in partners for start in partner.starts]
+    pairs = [*pairs, *((pair, 0.0) for pair in _shared(trunk, scored))]
+    pairs = [(pair, share) for pair, share in pairs if pair.places not in tried]
+    clock.tell("combinations: " + ", ".join(dict.fromkeys(pair.label for pair, _ in pairs)))
+    found = _refined(_fit_by_promise(model, pairs, before[0], clock), before, clock)
     return sorted([*scored, *found], key=lambda j: j.held_out)
 
 

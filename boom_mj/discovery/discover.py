@@ -171,7 +171,7 @@ def _library(model: Linearisation, raw: Array, as_built: Array, least: float, cl
     gaps = gap(as_built, model.data.train), gap(as_built, model.data.held_out)
     screening = Screening(model, everywhere(model.system), spectral_lines(model, as_built))
     promising = [one for one in screening.rank(raw) if one.share >= least]
-    return refined(singles(model, promising, clock), gaps, clock) if promising else []
+    return refined(singles(model, promising, gaps, clock), gaps, clock) if promising else []
 
 
 def _alike(model: Linearisation, library: Scored, best: FoundLaw) -> bool:

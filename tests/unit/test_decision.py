@@ -48,7 +48,26 @@ def test_beside_what_suffices_another_is_tried_where_one_may_hide(
     monkeypatch.setattr(stages, "_partners", lambda *given: [SimpleNamespace(share=promised)])
     monkeypatch.setattr(stages, "_paired", lambda found, *given: [pair, *found])
     monkeypatch.setattr(stages, "_simplified", lambda found, *given: found)
-    assert (pair in stages.combined([scored(left, PAYLOAD)], NOMINAL, (), Clock(), 2)) == looks
+    assert (pair in stages.combined([scored(left, PAYLOAD)], NOMINAL, None, Clock(), 2)) == looks
+
+
+@mark.parametrize(("left", "all_fitted"), [(1.1, False), (2.0, True)])
+def test_what_promises_little_is_fitted_only_where_the_best_leaves_much(
+    monkeypatch: MonkeyPatch, left: float, all_fitted: bool
+) -> None:
+    model = SimpleNamespace(criteria=BOOM, budget=BUDGET, facts=SimpleNamespace(oscillatory=True))
+    fitted: list[str] = []
+
+    def fit_all(model: object, candidates: list[Candidate], clock: Clock) -> list[Scored]:
+        fitted.extend(one.label for one in candidates)
+        return [scored(left, PAYLOAD) for _ in candidates]
+
+    monkeypatch.setattr(stages, "_fit_all", fit_all)
+    promised = [
+        (Candidate((parse_effect(text),)), share) for text, share in ((PAYLOAD, 0.9), (SOFT, 0.8), (CONCRETE, 0.1))
+    ]
+    stages._fit_by_promise(model, promised, 3.0, Clock())
+    assert fitted == ["tip_payload", "base_compliance axes roll", *["pipe_concrete"] * all_fitted]
 
 
 def test_a_second_cause_closes_half_of_what_the_first_leaves() -> None:
