@@ -7,7 +7,7 @@ import numpy as np
 
 from boom_mj.recording import Recording, named_signal
 from boom_mj.replay.comparison import Group, compare
-from boom_mj.sensors import check_drivable, driving_angles, ideal_signals, noise_levels, sample, true_angles
+from boom_mj.sensors import check_drivable, driving_angles, ideal_signals, noise_levels, sample
 from boom_mj.simulation import Plant, Trajectory, run, step_times
 
 
@@ -32,7 +32,7 @@ def replay(plant: Plant, log: Recording) -> Replay:
     joints = log["joint/position"]
     start, noise = joints.time[0], noise_levels(plant.machine)
     steps = step_times(plant, joints.time[-1] - start)
-    angles = true_angles(plant.effects, driving_angles(log, noise["joint/position"][0], steps + start))
+    angles = driving_angles(log, noise["joint/position"][0], steps + start, plant.effects)
     force = sample(log["load"], steps + start) if "load" in log else np.zeros((len(steps), 3))
     began = clock.perf_counter()
     trajectory = run(plant, angles, force)

@@ -1,10 +1,14 @@
 """The joint angles of a log, made smooth: what drives a model."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
+from boom_mj.effects import Effect
 from boom_mj.errors import LogError
 from boom_mj.recording import Recording
+from boom_mj.sensors.measure import true_angles
 from boom_mj.simulation import smooth_angles
 
 Array = np.ndarray
@@ -20,7 +24,7 @@ def check_drivable(log: Recording) -> None:
         raise LogError(f"log {log.name!r}: the joint angles cannot drive the model: {what}")
 
 
-def driving_angles(log: Recording, noise: float, at: Array) -> Array:
+def driving_angles(log: Recording, noise: float, at: Array, effects: Sequence[Effect] = ()) -> Array:
     """Smooth joint angles of a log at new times, (m, 5), rad.
 
     Where the log tells the commanded angles, only what the sensors read beyond them is smoothed: a drive that follows
@@ -29,12 +33,14 @@ def driving_angles(log: Recording, noise: float, at: Array) -> Array:
     Args:
         noise: standard deviation of the angle sensors, rad.
         at: times wanted, (m,), s; beyond the samples the ends are held.
+        effects: whose errors of the sensors are taken out before, lest they be blunted with the noise.
     """
     joints = log["joint/position"]
+    angles = true_angles(effects, joints.values)
     if "joint_command/position" not in log:
-        return smooth_angles(joints.time, joints.values, noise, at)
+        return smooth_angles(joints.time, angles, noise, at)
     command = log["joint_command/position"]
     reference = make_interp_spline(command.time, command.values, k=5)
     within = np.clip(at, command.time[0], command.time[-1])
-    beyond = joints.values - reference(np.clip(joints.time, command.time[0], command.time[-1]))
+    beyond = angles - reference(np.clip(joints.time, command.time[0], command.time[-1]))
     return reference(within) + smooth_angles(joints.time, beyond, noise, at)

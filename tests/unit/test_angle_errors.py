@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from boom_mj.effects import AngleEffect, make_effect
-from boom_mj.sensors import true_angles
+from boom_mj.recording import Recording, named_signal
+from boom_mj.sensors import driving_angles, true_angles
 from boom_mj.sensors.measure import angle_errors
 
 
@@ -29,3 +30,22 @@ def test_errors_of_one_joint_add_up_and_are_taken_away_together() -> None:
     reading = angles + angle_errors(effects, angles)
     assert reading[:, 1] - angles[:, 1] == pytest.approx(0.02 * np.sin(2 * angles[:, 1] + 0.3) + 0.01)
     assert np.abs(true_angles(effects, reading) - angles).max() < 1e-7
+
+
+def test_a_sensors_error_is_taken_out_before_it_is_blunted_with_the_noise() -> None:
+    """What drives the boom accelerates as the joint did, jolts included, where the command is logged."""
+    wave = make_effect("joint_sensor_nonlinearity", {"joint": 1, "amplitude": 0.01, "periods": 6.0, "phase": 0.3})
+    time, noise = np.arange(0, 30, 0.02), np.radians(0.005)
+    path = 0.4 * np.maximum(0.0, np.sin(1.2 * time))[:, None] ** 3 * np.ones(5)
+    rng = np.random.default_rng(0)
+    reading = path + angle_errors([wave], path) + noise * rng.standard_normal(path.shape)
+    said = {"joint/position": reading, "joint_command/position": path}
+    log = Recording("log", "boom36", "", {name: named_signal(name, time, values) for name, values in said.items()})
+
+    def missed(angles: np.ndarray) -> float:
+        jolts = np.diff(angles - path, n=2, axis=0)[:, 0] / 0.02**2
+        return float(np.sqrt(np.mean(jolts[20:-20] ** 2)))
+
+    before = missed(driving_angles(log, noise, time, [wave]))
+    afterwards = missed(true_angles([wave], driving_angles(log, noise, time)))
+    assert before < 0.5 * afterwards

@@ -178,7 +178,11 @@ class BoomSystem:
         joints = log[DRIVE]
         steps = step_times(plant, float(joints.time[-1] - joints.time[0]))
         reading, force = self._inputs(steps, log)
-        return run(plant, true_angles(plant.effects, reading), force)
+        if any(isinstance(effect, AngleEffect) and effect.id != OFFSET for effect in plant.effects):
+            angles = driving_angles(log, self.levels[DRIVE][0], steps + joints.time[0], plant.effects)
+        else:  # a constant may as well be taken out afterwards
+            angles = true_angles(plant.effects, reading)
+        return run(plant, angles, force)
 
     def _plant(self, machine: Machine, hypothesis: Hypothesis, level: Level) -> Plant:
         """The compiled model of a hypothesis; the last few are kept, for its other recordings."""
