@@ -1,0 +1,68 @@
+"""What the truth itself leaves of every gap: by how much the model is wrong where a diagnosis could not be right.
+
+    python scripts/truths.py CASES --seal SEAL [--jobs 2]
+
+A machine with the sealed effects, its nuisances estimated, should leave 1 in training and held out, but for chance.
+"""
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from boom_mj.blind.run import checked_case
+from boom_mj.diagnosis.criteria import BOOM
+from boom_mj.diagnosis.linearisation import Linearisation, linearise
+from boom_mj.effects import Effect, make_effect
+from boom_mj.errors import EffectError
+from boom_mj.estimation.bootstrap import gap
+from boom_mj.spreading import spread
+from boom_mj.systems.predictor import Predictor
+
+
+def left(case: Path, machine: str, effects: Sequence[dict[str, Any]]) -> tuple[float, float] | None:
+    """Gaps (training, held out) that sealed effects leave; None where the library does not hold them."""
+    system, checked = checked_case(case, machine)
+    try:
+        true = tuple(make_effect(e["id"], {**e["location"], **e["parameters"]}) for e in effects)
+    except EffectError:
+        return None
+    model = linearise(Predictor(system, checked.data, threads=1))
+    about = model.relinearised(true, model.posterior.estimate(_residual(model, true)))
+    clean = about.clean(_residual(about, true))
+    return gap(clean, checked.data.train), gap(clean, checked.data.held_out)
+
+
+def _residual(model: Linearisation, effects: tuple[Effect, ...]) -> Any:
+    return model.residual(*model.predict([effects]))
+
+
+def _row(case: Path, machine: str, sealed: dict[str, Any]) -> str:
+    effects = sealed[case.name]["effects"]
+    found = left(case, machine, effects)
+    names = ", ".join(" ".join(map(str, (e["id"], *e["location"].values()))) for e in effects) or "none"
+    if found is None:
+        return f"| `{case.name}` | {names} | not in the library | | |"
+    wrong = "**more than noise**" if max(found) > BOOM.explained_gap else ""
+    return f"| `{case.name}` | {names} | {found[0]:.3f} | {found[1]:.3f} | {wrong} |"
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("cases", type=Path)
+    parser.add_argument("--seal", type=Path, required=True)
+    parser.add_argument("--jobs", type=int, default=1)
+    options = parser.parse_args()
+    sealed = json.loads(options.seal.read_text())["cases"]
+    work = partial(_row, machine=(options.cases / "machine.toml").read_text(), sealed=sealed)
+    print("| case | truth | training | held out | |\n|---|---|---|---|---|")
+    for done in spread(work, [options.cases / name for name in sealed], options.jobs):
+        print(done.result(), flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
