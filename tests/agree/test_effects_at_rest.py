@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from boom_mj.effects import ForceEffect, Motion, parse_effect
-from boom_mj.effects.library.joint_play import STOP
+from boom_mj.effects.library.joint_play import GIVES, flank_stiffness
 from boom_mj.machine import load_machine, with_values
 from boom_mj.simulation import Plant, make_plant
 
@@ -32,8 +32,11 @@ WAYS = {  # direction of a force on the tip, and how far the tip goes with it be
     "base_compliance:axes=pitch,pitch=1e8": ("z", FORCE * REACH**2 / 1e8),
     "base_compliance:axes=roll,roll=1e8": ("y", FORCE * HEIGHT**2 / 1e8),
     "slew_compliance:stiffness=1e7": ("y", FORCE * REACH**2 / 1e7),
-    "slew_backlash:half_gap=0.004": ("y", 0.004 * REACH + FORCE * REACH**2 / STOP),
-    "joint_play:joint=4,half_gap=0.002": ("z", 0.002 * (REACH - ROOTS[2]) + FORCE * (REACH - ROOTS[2]) ** 2 / STOP),
+    "slew_backlash:half_gap=0.004": ("y", 0.004 * REACH + FORCE * REACH**2 / flank_stiffness(BOOM, 1)),
+    "joint_play:joint=4,half_gap=0.002": (
+        "z",
+        0.002 * (REACH - ROOTS[2]) + FORCE * (REACH - ROOTS[2]) ** 2 / flank_stiffness(BOOM, 4),
+    ),
 }
 
 
@@ -95,3 +98,14 @@ def test_a_side_wind_turns_the_boom_by_the_drag_of_its_links() -> None:
         height = np.interp(x, [0, link.length], link.height)
         wanted += np.trapezoid(0.5 * 1.225 * 1.3 * 10**2 * height * (root + x), x)
     assert found == pytest.approx(wanted, rel=0.01)
+
+
+def test_a_flank_gives_little_to_the_weight_that_lies_on_it() -> None:
+    """Steel, not oil; a gap is seen by its size, not by how soft its flanks are."""
+    for joint in (3, 4, 5):
+        loaded, healthy = (
+            make_plant(BOOM, 2, effects)
+            for effects in ([parse_effect(f"joint_play:joint={joint},half_gap={1e-6}")], [])
+        )
+        tips = [p.tip(p.static_equilibrium(STRETCHED)) for p in (loaded, healthy)]
+        assert (tips[1] - tips[0])[2] == pytest.approx(GIVES * (REACH - ROOTS[joint - 2]), rel=0.05)

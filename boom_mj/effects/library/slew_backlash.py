@@ -21,4 +21,4 @@ class SlewBacklash(ModelEffect):
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         if self.values["half_gap"]:
-            add_gap(spec, 1, "joint1_backlash", self.values["half_gap"])
+            add_gap(spec, machine, 1, "joint1_backlash", self.values["half_gap"])
