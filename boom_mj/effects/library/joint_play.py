@@ -7,9 +7,7 @@ from boom_mj.effects.spec_edits import add_series_hinge
 from boom_mj.machine import Machine
 from boom_mj.machine.statics import outboard_load
 
-GIVES = (
-    5e-4  # rad, by which a flank gives to the stretched boom's weight: steel, ten times as stiff as a cylinder's oil
-)
+GIVES = 5e-4  # rad, by which a flank gives to the stretched boom's weight: steel, a tenth of what oil gives
 CENTRE = 1e2  # N m/rad, so that an unloaded joint has a rest
 RATE = 130.0  # rad/s, of a flank and the armature of what moves in the gap: stable at steps of 10 ms
 DAMPING_RATIO = 0.03
