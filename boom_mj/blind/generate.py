@@ -26,7 +26,7 @@ import numpy as np
 from boom_mj.blind.answers import answer_schema
 from boom_mj.blind.detectability import Detectability
 from boom_mj.blind.plant import AS_BUILT, nuisances, true_plant
-from boom_mj.blind.sampling import Order, draw, orders
+from boom_mj.blind.sampling import Order, draw_all, orders
 from boom_mj.blind.task import readme
 from boom_mj.effects import Effect
 from boom_mj.errors import EquilibriumError, InputError, SimulationError
@@ -176,7 +176,8 @@ def _make(case: _Case) -> dict[str, Any]:
         (folder / part).mkdir(parents=True, exist_ok=True)
         for experiment in experiments:
             write_mcap(recordings[experiment.name], folder / part / f"{experiment.name}.mcap")
-    _write_json(folder / "withhold.json", {"without": [case.order.without]})
+    without = sealed["effects"][0]["id"] if case.order.kind == "withheld" else case.order.without
+    _write_json(folder / "withhold.json", {"without": [without]})
     return sealed
 
 
@@ -189,7 +190,7 @@ def _drawn(case: _Case, rng: np.random.Generator) -> tuple[dict[str, Any], dict[
         return min(_eye(case.machine, part).visibility(effects) for part in parts) if effects else 0.0
 
     own = nuisances(machine, rng, AS_BUILT) if case.order.kind == "clutter" else nuisances(machine, rng)
-    drawn = [draw(name, rng, visibility) for name in case.order.ids]
+    drawn = draw_all(case.order, rng, visibility)
     effects = [effect for effect, _ in drawn]
     named = {(effect.id, *effect.location.values()) for effect in effects}
     own = tuple(n for n in own if (n.id, *n.location.values()) not in named)  # an effect's size is all there is of it

@@ -64,7 +64,7 @@ def orders(cases: int, mix: Mapping[str, float], rng: np.random.Generator) -> li
         raise InputError(f"no class of cases is called {', '.join(unknown)}; there are {', '.join((*MIX, *MORE))}")
     if min(mix.values()) < 0 or sum(mix.values()) <= 0:
         raise InputError(f"shares of classes must not be negative, nor all zero; got {dict(mix)}")
-    known = [name for name, kind in builtin().items() if kind.competes and kind.allowed(BOOM_SITES)]
+    known = _known()
     asked = (*MIX, *(kind for kind in MORE if kind in mix))  # more decks than before would shuffle all others
     deal = {kind: _deck(UNLISTED if kind == "stranger" else known, rng) for kind in asked}
     found = []
@@ -77,6 +77,11 @@ def orders(cases: int, mix: Mapping[str, float], rng: np.random.Generator) -> li
             others = [name for name in known if name not in ids]
             found.append(Order(kind, tuple(ids), ids[0] if kind == "withheld" else str(rng.choice(others))))
     return [found[k] for k in rng.permutation(len(found))]
+
+
+def _known() -> list[str]:
+    """Ids of what the library has for booms."""
+    return [name for name, kind in builtin().items() if kind.competes and kind.allowed(BOOM_SITES)]
 
 
 def _deck(names: Sequence[str] | Mapping[str, object], rng: np.random.Generator) -> Iterator[str]:
@@ -92,6 +97,30 @@ def _shared_out(cases: int, mix: Mapping[str, float]) -> dict[str, int]:
     for kind in by_remainder[: cases - sum(counts.values())]:
         counts[kind] += 1
     return counts
+
+
+def draw_all(
+    order: Order, rng: np.random.Generator, visibility: Callable[[Sequence[Effect]], float]
+) -> list[tuple[Effect, dict[str, float]]]:
+    """The effects of an order; what these experiments show at no place and size gives way to another effect.
+
+    Raises:
+        InputError: the machine stands none.
+    """
+    found, spare = [draw(name, rng, visibility) for name in order.ids], None
+    for k, (effect, _) in enumerate(found):
+        while visibility([effect]) < VISIBLE:
+            if spare is None:  # no draw before is another for it
+                alike = UNLISTED if order.kind == "stranger" else _known()
+                spare = _spare(alike, (*order.ids, order.without), rng)
+            if not spare:
+                break
+            found[k] = effect, _ = draw(spare.pop(), rng, visibility)
+    return found
+
+
+def _spare(names: Sequence[str] | Mapping[str, object], taken: Sequence[str], rng: np.random.Generator) -> list[str]:
+    return [str(name) for name in rng.permutation([name for name in names if name not in taken])]
 
 
 def draw(

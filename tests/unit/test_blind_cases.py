@@ -11,7 +11,7 @@ import boom_mj
 from boom_mj.blind import MIX, SHORT, make_cases, waiting_cases
 from boom_mj.blind.generate import SUITE, Suite
 from boom_mj.blind.plant import AS_BUILT, HINGES, nuisances, true_plant
-from boom_mj.blind.sampling import draw, orders
+from boom_mj.blind.sampling import Order, draw, draw_all, orders
 from boom_mj.blind.sandbox import confined_to
 from boom_mj.blind.unlisted import UNLISTED
 from boom_mj.effects import BOOM_SITES, builtin, effect_library
@@ -86,6 +86,19 @@ def test_what_does_not_show_is_drawn_again() -> None:
 
     assert {draw("link_mass", np.random.default_rng(k), seen)[0].location["link"] for k in range(20)} == {3}
     assert draw("link_mass", np.random.default_rng(0), lambda effects: 0.1)[0].id == "link_mass"
+
+
+def test_what_shows_nowhere_gives_way_to_another_effect() -> None:
+    def seen(effects: list) -> float:
+        return 2.0 if effects[0].id in ("link_mass", "wind") else 0.1
+
+    order = Order("pair", ("joint_play", "wind"), "tip_payload")
+    (first, _), (second, _) = draw_all(order, np.random.default_rng(0), seen)
+    assert (first.id, second.id) == ("link_mass", "wind")
+    shown = draw_all(Order("single", ("wind",), "tip_payload"), np.random.default_rng(1), seen)
+    assert shown == [draw("wind", np.random.default_rng(1), seen)]
+    hidden = draw_all(Order("single", ("link_mass",), "tip_payload"), np.random.default_rng(0), lambda effects: 0.1)
+    assert len(hidden) == 1 and hidden[0][0].id != "tip_payload"
 
 
 def test_strangers_are_described_nowhere_in_the_library() -> None:
