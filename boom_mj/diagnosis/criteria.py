@@ -58,6 +58,9 @@ class SearchBudget:
     """What is tried before a verdict: more costs time, less may miss a cause."""
 
     finalists: int = number(6, "candidates", "that are fitted alone")
+    always: int = number(
+        3, "candidates", "that are fitted whatever they promise: what else was tried is part of an answer"
+    )
     kinds_beyond: int = number(3, "candidates", "fitted besides, each the best of a kind that is not among them")
     kind_share: float = number(0.3, "share", "of the best promise, that such a one must have")
     again: int = number(12, "places", "that cost simulations and are screened again beside a leader")

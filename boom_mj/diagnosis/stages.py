@@ -65,12 +65,14 @@ def _fit_by_promise(
     """Candidates that promise a share of a gap; where the best of a machine that swings close most of it, these only.
 
     Args:
+        promised: best first.
         before: the gap in training.
     """
-    most = max((share for _, share in promised), default=0.0)
-    enough = 1 - model.budget.close**2 * (1 - most) if model.facts.oscillatory else 0.0
-    found = _fit_all(model, [one for one, share in promised if share >= enough], clock)
-    others = [one for one, share in promised if share < enough]
+    budget, (_, most) = model.budget, max(promised, key=lambda one: one[1], default=(None, 0.0))
+    enough = 1 - budget.close**2 * (1 - most) if model.facts.oscillatory else 0.0
+    likely = [one for k, (one, share) in enumerate(promised) if share >= enough or k < budget.always]
+    others = [one for one, _ in promised if one not in likely]
+    found = _fit_all(model, likely, clock)
     if others and not (found and found[0].train < near(model, before)):
         found = _best_of_each([*found, *_fit_all(model, others, clock)])
     return found

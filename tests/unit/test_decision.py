@@ -55,7 +55,7 @@ def test_beside_what_suffices_another_is_tried_where_one_may_hide(
 def test_what_promises_little_is_fitted_only_where_the_best_leaves_much(
     monkeypatch: MonkeyPatch, left: float, all_fitted: bool
 ) -> None:
-    model = SimpleNamespace(criteria=BOOM, budget=BUDGET, facts=SimpleNamespace(oscillatory=True))
+    model = SimpleNamespace(criteria=BOOM, budget=SearchBudget(always=1), facts=SimpleNamespace(oscillatory=True))
     fitted: list[str] = []
 
     def fit_all(model: object, candidates: list[Candidate], clock: Clock) -> list[Scored]:

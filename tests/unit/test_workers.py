@@ -6,11 +6,9 @@ import sys
 import pytest
 
 SCRIPT = """
-import sys
 import numpy as np
 from boom_mj.workers import return_memory
-if sys.argv[1] == "returned":
-    return_memory()
+return_memory()
 np.ones(2**21)  # 16 MB, freed: from then on glibc takes smaller ones from its heap
 pairs = [(np.ones(2**18), np.ones(2**10)) for _ in range(200)]
 kept = [small for large, small in pairs]  # 2 MB go, 8 kB stay
@@ -21,8 +19,6 @@ print(int(open("/proc/self/statm").read().split()[1]) * 4 // 1024)
 
 @pytest.mark.skipif(sys.platform != "linux", reason="glibc")
 def test_memory_of_large_arrays_goes_back() -> None:
-    held = {
-        how: int(subprocess.run([sys.executable, "-c", SCRIPT, how], capture_output=True, text=True, check=True).stdout)
-        for how in ("returned", "as it is")
-    }
-    assert held["returned"] < held["as it is"] - 200, held
+    """Without asking for it 400 MB mostly stay."""
+    done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, check=True)
+    assert int(done.stdout) < 150
