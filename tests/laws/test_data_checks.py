@@ -54,6 +54,10 @@ def found_in(logs: list[Recording]) -> set[tuple[str, str]]:
         (*OFFSETS, "joint_sensor_nonlinearity:joint=3,amplitude=0.02,periods=3"),
         (*OFFSETS, "marker_slip:marker=7,offset_x=0.5"),
         (*OFFSETS, "joint_play:joint=4,half_gap=0.005"),
+        (
+            "joint_zero_offset:joint=1,offset=0.004",
+            "thermal_bending:link=2,axis=w,displacement=0.1",
+        ),  # turns y of markers
     ],
 )
 def test_sound_recordings_stay_the_same_objects(effects: tuple[str, ...]) -> None:

@@ -53,6 +53,7 @@ def _at_any_delay(evidence: Evidence, index: int, name: str) -> np.ndarray:
 def _turned(evidence: Evidence, names: Sequence[str]) -> Iterator[Found]:
     """Findings on signals among which not most are turned."""
     ratios: dict[int, dict[tuple[str, int], float]] = {}
+    still: set[tuple[int, str, int]] = set()
     for name in names:
         for index, pair in pairs(evidence, name):
             worse = []
@@ -64,6 +65,10 @@ def _turned(evidence: Evidence, names: Sequence[str]) -> Iterator[Found]:
             if late.any():  # by its swings alone, which a late clock turns as well
                 both = np.where(late, np.minimum(both, _at_any_delay(evidence, index, name)), both)
             told = np.max([part.power for part in (pair, pair.moving)], axis=0) > SHOWN
+            moves = pair.moving.power > SHOWN
+            still |= {(index, name, int(k)) for k in np.flatnonzero(~moves)}
+            if not name.startswith("imu/"):  # a bent link turns the mean of a place, not how it moves
+                both = np.where(moves & (pair.moving.misfit() < pair.moving.misfit(-1)), np.minimum(both, 1.0), both)
             ratios.setdefault(index, {}).update({(name, int(k)): float(both[k]) for k in np.flatnonzero(told)})
     ratios = {
         index: found
@@ -71,7 +76,10 @@ def _turned(evidence: Evidence, names: Sequence[str]) -> Iterator[Found]:
         if names == [DRIVE] or np.mean([r > TURNED for r in found.values()]) < MANY
     }
     for (name, column), ratio in by_case(ratios).items():
+        sound = min(ratio.values()) < 1 / TURNED
         for index in concerned(ratio, having(evidence, name), TURNED):
+            if sound and (index, name, column) in still:
+                continue  # a mean alone, which a bent link may turn
             signal = evidence.recordings[index][name]
             turned = np.where(np.arange(len(signal.channels)) == column, -1.0, 1.0)
             channel, told = signal.channels[column], ratio.get(index, 0.0) > TURNED
