@@ -12,6 +12,7 @@ from boom_mj.replay.quality.finding import Action, Repair
 
 TURNED = 5.0  # times better with the sign turned; sound logs reach 2.6, of a channel that a base tilts
 DELAYS = np.arange(-2.0, 2.01, 0.08)  # s, of a late clock: an eighth of a period of the second mode apart
+PLACES = "markers"
 MANY = 0.5  # of the IMUs' channels: as many are turned by a clock that is half a period late
 
 
@@ -53,7 +54,7 @@ def _at_any_delay(evidence: Evidence, index: int, name: str) -> np.ndarray:
 def _turned(evidence: Evidence, names: Sequence[str]) -> Iterator[Found]:
     """Findings on signals among which not most are turned."""
     ratios: dict[int, dict[tuple[str, int], float]] = {}
-    still: set[tuple[int, str, int]] = set()
+    still: set[tuple[int, int]] = set()  # channels of places that do not move
     for name in names:
         for index, pair in pairs(evidence, name):
             worse = []
@@ -65,9 +66,9 @@ def _turned(evidence: Evidence, names: Sequence[str]) -> Iterator[Found]:
             if late.any():  # by its swings alone, which a late clock turns as well
                 both = np.where(late, np.minimum(both, _at_any_delay(evidence, index, name)), both)
             told = np.max([part.power for part in (pair, pair.moving)], axis=0) > SHOWN
-            moves = pair.moving.power > SHOWN
-            still |= {(index, name, int(k)) for k in np.flatnonzero(~moves)}
-            if not name.startswith("imu/"):  # a bent link turns the mean of a place, not how it moves
+            if name == PLACES:  # a bent link turns the mean of a place, not how it moves
+                moves = pair.moving.power > SHOWN
+                still |= {(index, int(k)) for k in np.flatnonzero(~moves)}
                 both = np.where(moves & (pair.moving.misfit() < pair.moving.misfit(-1)), np.minimum(both, 1.0), both)
             ratios.setdefault(index, {}).update({(name, int(k)): float(both[k]) for k in np.flatnonzero(told)})
     ratios = {
@@ -78,8 +79,8 @@ def _turned(evidence: Evidence, names: Sequence[str]) -> Iterator[Found]:
     for (name, column), ratio in by_case(ratios).items():
         sound = min(ratio.values()) < 1 / TURNED
         for index in concerned(ratio, having(evidence, name), TURNED):
-            if sound and (index, name, column) in still:
-                continue  # a mean alone, which a bent link may turn
+            if sound and name == PLACES and (index, column) in still:
+                continue
             signal = evidence.recordings[index][name]
             turned = np.where(np.arange(len(signal.channels)) == column, -1.0, 1.0)
             channel, told = signal.channels[column], ratio.get(index, 0.0) > TURNED
