@@ -63,7 +63,6 @@ class SearchBudget:
     )
     kinds_beyond: int = number(3, "candidates", "fitted besides, each the best of a kind that is not among them")
     kind_share: float = number(0.3, "share", "of the best promise, that such a one must have")
-    again: int = number(12, "places", "that cost simulations and are screened again beside a leader")
     partners: int = number(3, "candidates", "screened beside a leader, that are fitted together with it")
     singles_beside: int = number(2, "candidates", "fitted alone before, that are tried together with a leader")
     leaders: int = number(2, "candidates", "of a stage that are refined")

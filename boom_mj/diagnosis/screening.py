@@ -16,7 +16,7 @@ from scipy.special import gammaincc
 
 from boom_mj.diagnosis.candidate import Candidate, Kind, apart
 from boom_mj.diagnosis.linearisation import Linearisation
-from boom_mj.effects import Effect, is_output
+from boom_mj.effects import Effect
 from boom_mj.estimation.least_squares import OPTIONS
 from boom_mj.systems.system import Hypothesis, LinearResponse
 
@@ -76,7 +76,7 @@ class Screening:
         lines_hz: Sequence[float],
         given: tuple[Effect, ...] = (),
     ):
-        self.model, self.given, self.kinds = model, given, tuple(kinds)
+        self.model, self.given = model, given
         free = [(kind, site) for kind, site in kinds if apart(kind, site, given)]
         self.rows = [(kind, site, group) for kind, site in free for group in kind.screening(site, lines_hz) if group]
         points = [kind(site, **values) for kind, site, group in self.rows for values in group]
@@ -125,19 +125,6 @@ class Screening:
                     starts.append(other)
             ranked.append(replace(best, others=tuple(starts[1:])))
         return sorted(ranked, key=lambda s: -s.share)
-
-    def promising(self, residual: Array) -> list[Kind]:
-        """Kinds and sites but for those that cost simulations and promise little of a whitened residual (N,).
-
-        What promises the most stays, and what has no column here or a latent input.
-        """
-        shares: dict[tuple, float] = {}
-        for effect, share in self._alone(residual):
-            free = is_output(effect) or self._response(effect, self.model.columns) is not None
-            if not free and not effect.basis(0.0):
-                shares[effect.cause] = max(share, shares.get(effect.cause, 0.0))
-        little = sorted(shares, key=lambda cause: -shares[cause])[self.model.budget.again :]
-        return [(kind, site) for kind, site in self.kinds if (kind.id, site.key) not in little]
 
     def _alone(self, residual: Array) -> Iterator[tuple[Effect, float]]:
         """Of every group of columns the effect that suits a residual best, and the share that it may explain of it."""

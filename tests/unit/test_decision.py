@@ -48,7 +48,7 @@ def test_beside_what_suffices_another_is_tried_where_one_may_hide(
     monkeypatch.setattr(stages, "_partners", lambda *given: [SimpleNamespace(share=promised)])
     monkeypatch.setattr(stages, "_paired", lambda found, *given: [pair, *found])
     monkeypatch.setattr(stages, "_simplified", lambda found, *given: found)
-    assert (pair in stages.combined([scored(left, PAYLOAD)], NOMINAL, None, Clock(), 2)) == looks
+    assert (pair in stages.combined([scored(left, PAYLOAD)], NOMINAL, (), Clock(), 2)) == looks
 
 
 @mark.parametrize(("left", "all_fitted"), [(1.1, False), (2.0, True)])

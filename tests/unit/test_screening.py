@@ -1,13 +1,10 @@
 """Screening: where fits begin."""
 
-from dataclasses import replace
-
 import numpy as np
 
-from boom_mj.diagnosis.criteria import SearchBudget
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.screening import Screening, spectral_lines
-from boom_mj.effects import make_effect, parse_effect
+from boom_mj.effects import make_effect
 
 PULSATION = make_effect("pump_pulsation", {"direction": "vertical"})
 
@@ -33,18 +30,6 @@ def test_what_looks_alike_on_these_data_is_mimicked(model: Linearisation) -> Non
     assert screening.mimicked((payload,), residual, 1e9) == 2.0
     alone = Screening(model, kinds[:1], [])
     assert alone.mimicked((payload,), residual, 1e9) == 0.0
-
-
-def test_what_promises_little_is_not_simulated_again(model: Linearisation) -> None:
-    """A payload moves the boom as the residual has it, concrete hardly; a biased IMU costs no simulation."""
-    named = ["tip_payload:mass=20", "pipe_concrete:fill=0.5", "imu_bias:link=5", "wind:mean_speed=5"]
-    payload, concrete, bias, wind = map(parse_effect, named)
-    kinds = [(type(effect), effect.site) for effect in (concrete, payload, bias, wind)]
-    screening = Screening(replace(model, budget=SearchBudget(again=1)), kinds, [])
-    own = screening.rows.index(next(row for row in screening.rows if row[0] is type(payload)))
-    residual = np.zeros(len(model.noise.weight))
-    residual[model.data.train] = screening.columns[:, screening.stretches[own]][:, 0]
-    assert screening.promising(residual) == [kinds[1], *kinds[2:]]
 
 
 def test_lines_stand_out_of_noise(model: Linearisation) -> None:
