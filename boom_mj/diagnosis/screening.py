@@ -6,7 +6,7 @@ J^T r . w / <r, r> of the training misfit. All candidates go in one batch, and w
 what the two have in common is known: the nuisances, and the effects that the machine has already.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple
@@ -111,10 +111,17 @@ class Screening:
 
     def rank(self, residual: Array) -> list[Screened]:
         """Candidates by the share of a whitened residual that they may explain, best first, each at its best point."""
-        budget, found = self.model.budget, dict[tuple, list[Screened]]()
-        for effect, share in self._alone(residual):
-            one = Screened(Candidate((effect,)), max(share, self._of_latent(effect, residual)))
-            found.setdefault(one.candidate.places, []).append(one)
+        budget = self.model.budget
+        slopes, curvature, _, whole = self.normal_equations(residual)
+        found: dict[tuple, list[Screened]] = {}
+        for (kind, site, group), part in zip(self.rows, self.stretches):
+            weights = np.linalg.solve(curvature(part, part) + np.eye(len(group)) / budget.weight_prior**2, slopes[part])
+            values = kind.combine(site, group, weights)
+            effect = kind(site, **values)
+            share = float(slopes[part] @ weights / whole) if _acts(effect, values) else 0.0
+            share = max(share, self._of_latent(effect, residual))
+            candidate = Candidate((effect,))
+            found.setdefault(candidate.places, []).append(Screened(candidate, share))
         least = budget.alike_share * max((s.share for alike in found.values() for s in alike), default=0.0)
         ranked = []
         for alike in found.values():
@@ -125,16 +132,6 @@ class Screening:
                     starts.append(other)
             ranked.append(replace(best, others=tuple(starts[1:])))
         return sorted(ranked, key=lambda s: -s.share)
-
-    def _alone(self, residual: Array) -> Iterator[tuple[Effect, float]]:
-        """Of every group of columns the effect that suits a residual best, and the share that it may explain of it."""
-        slopes, curvature, _, whole = self.normal_equations(residual)
-        prior = self.model.budget.weight_prior**-2
-        for (kind, site, group), part in zip(self.rows, self.stretches):
-            weights = np.linalg.solve(curvature(part, part) + prior * np.eye(len(group)), slopes[part])
-            values = kind.combine(site, group, weights)
-            effect = kind(site, **values)
-            yield effect, float(slopes[part] @ weights / whole) if _acts(effect, values) else 0.0
 
     def mimicked(self, effects: Hypothesis, residual: Array, enough: float) -> float:
         """How many kinds of other effects these would explain, had one of them caused a gap as large as a residual's.
