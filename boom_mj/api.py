@@ -252,6 +252,7 @@ def discover(
     holdout: Sequence[Log] = (),
     *,
     without: Sequence[str] = (),
+    forces: bool = False,
     seconds: float | None = None,
     tell: Callable[[str], None] = lambda line: None,
 ) -> LawAnswer:
@@ -259,10 +260,11 @@ def discover(
 
     Args:
         without: ids of effects of the library that a law may stand for.
+        forces: whether to estimate forces in time, without a formula, although there is a law.
     """
     system, checked = _checked(machine, train, holdout, tell)
     with no_log():
-        found = discovery.discover(Predictor(system, checked.data), without, Clock(seconds, tell))
+        found = discovery.discover(Predictor(system, checked.data), without, Clock(seconds, tell), forces)
     return LawAnswer(found, checked.names, checked.findings)
 
 

@@ -39,6 +39,9 @@ def command(
         list[str] | None,
         typer.Option(metavar="ID", help="Effect of the library that a law may stand for; several may be given."),
     ] = None,
+    forces: Annotated[
+        bool, typer.Option(help="Also estimate forces in time, without a formula, where there is a law.")
+    ] = False,
     channels: ChannelMapFile = None,
     model: ModelFile = None,
     seconds: Seconds = None,
@@ -68,7 +71,7 @@ def command(
     given = load_gap_data(logs, holdout or [], machine, channels, model)
     for finding in given.findings:
         tell(printable(finding.sentence))
-    found = discover(Predictor(given.system, given.data), tuple(without or ()), Clock(seconds, tell))
+    found = discover(Predictor(given.system, given.data), tuple(without or ()), Clock(seconds, tell), forces)
     answer = document(found, given.names, given.findings)
     text = json.dumps(answer, indent=1)
     try:
@@ -98,6 +101,11 @@ def _summary(answer: dict[str, Any]) -> str:
     for row in answer["front"]:
         lines.append(
             f"  {len(row['terms'])} terms leave {row['holdout_gap']:.2f}: {row['formula']}, on {row['acts_on']}"
+        )
+    for force in answer["forces"][:3]:
+        low, high = force["closure_interval"]
+        lines.append(
+            f"  a force in time on {force['acts_on']} closes {force['closure']:.0%}   95 %: {low:.0%} .. {high:.0%}"
         )
     for what in answer["skipped"][:4]:
         lines.append(f"  not looked at for want of time: {what}")

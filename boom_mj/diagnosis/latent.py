@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from boom_mj.effects import Effect
-from boom_mj.estimation.latent_input import KNOT_S, LatentInput, Part, estimate_latent, make_part
+from boom_mj.estimation.latent_input import KNOT_S, LatentInput, estimate_latent, make_part
 from boom_mj.estimation.noise import NoiseModel
 from boom_mj.systems.predictor import Predictor
 from boom_mj.systems.system import Hypothesis
@@ -33,14 +33,24 @@ def latent_input_of(
     if hidden is None:
         return None
     data = predictor.data
-    begun = [_Responses.begin(predictor, effects, hidden, k) for k in recordings]  # all, before one is awaited
-    parts = [one.part(predictor, noise) for one in begun]
+    begun = [UnitResponses.begin(predictor, effects, hidden, k) for k in recordings]  # all, before one is awaited
+    parts = [make_part(data.rows(one.index), one.whitened(predictor, noise), one.knots) for one in begun]
     trained = [part for part in parts if data.train[part.rows].any()]
     return estimate_latent(parts, trained, residual, data.correlation_s, hidden.latent_limit)
 
 
+def units_of(predictor: Predictor, index: int) -> tuple[Array, Array]:
+    """Times of all units of a recording, (k,), s, and which are simulated: wherever a joint has moved a STRIDE."""
+    knots = np.arange(KNOT_S, predictor.data.duration(index), KNOT_S)
+    motion, chosen = predictor.system.timeline(predictor.data.recordings[index]).coordinates(knots), [0]
+    for k, pose in enumerate(motion):
+        if np.max(np.abs(pose - motion[chosen[-1]])) > STRIDE:
+            chosen.append(k)
+    return knots, np.array(chosen)
+
+
 @dataclass(frozen=True)
-class _Responses:
+class UnitResponses:
     """Responses to units that are being simulated.
 
     Attributes:
@@ -56,19 +66,16 @@ class _Responses:
     awaited: tuple[Future[Array], ...]
 
     @classmethod
-    def begin(cls, predictor: Predictor, effects: Hypothesis, hidden: Effect, index: int) -> "_Responses":
-        knots = np.arange(KNOT_S, predictor.data.duration(index), KNOT_S)
-        motion, chosen = predictor.system.timeline(predictor.data.recordings[index]).coordinates(knots), [0]
-        for k, pose in enumerate(motion):
-            if np.max(np.abs(pose - motion[chosen[-1]])) > STRIDE:
-                chosen.append(k)
+    def begin(cls, predictor: Predictor, effects: Hypothesis, hidden: Effect, index: int) -> "UnitResponses":
+        """Of the one among some effects that has a latent input."""
+        knots, chosen = units_of(predictor, index)
         rest, level = tuple(e for e in effects if e is not hidden), predictor.system.facts.fidelity.coarse
         units = [(*rest, unit) for k in chosen if (unit := hidden.basis(knots[k]))]
         awaited = tuple(predictor.begin(hypothesis, level, index, gapless=True) for hypothesis in (effects, *units))
-        return cls(index, knots, np.array(chosen), awaited)
+        return cls(index, knots, chosen, awaited)
 
-    def part(self, predictor: Predictor, noise: NoiseModel) -> Part:
-        """Whitened responses to all units."""
+    def whitened(self, predictor: Predictor, noise: NoiseModel) -> Array:
+        """To all units, (n, k)."""
         data = predictor.data
         without, *found = (future.result() for future in self.awaited)
         latest = np.searchsorted(self.chosen, np.arange(len(self.knots)), "right") - 1
@@ -79,5 +86,4 @@ class _Responses:
             own = changes[:, first : (first := first + channel.blocks[-1] + 1)]
             before = channel.blocks[:, None] - late
             parts.append(np.where(before >= 0, own[latest, np.maximum(before, 0)], 0.0).astype(np.float32))
-        rows = data.rows(self.index)
-        return make_part(rows, noise.whitened(rows, np.concatenate(parts)), self.knots)
+        return noise.whitened(data.rows(self.index), np.concatenate(parts))

@@ -8,6 +8,7 @@ from boom_mj.diagnosis.answer import plain
 from boom_mj.diagnosis.diagnose import held_out_closure
 from boom_mj.diagnosis.named import brief
 from boom_mj.discovery.discover import Discovery
+from boom_mj.discovery.forces import ForceInTime
 from boom_mj.discovery.search import FoundLaw
 from boom_mj.discovery.writing import intervals, law_type, with_numbers
 from boom_mj.estimation.bootstrap import gap
@@ -35,6 +36,7 @@ def document(found: Discovery, names: Sequence[str], findings: Sequence[DataFind
             {"place": one.place.named, "acts_on": one.place.acts_on, "closure": _closure(found, one)}
             for one in found.places
         ],
+        "forces": [_force(found, one, best=one is found.forces[0]) for one in found.forces],
         "library": None
         if found.library is None
         else {**brief(found.library.fit.effects), "holdout_gap": found.library.held_out},
@@ -83,6 +85,29 @@ def _row(law: FoundLaw) -> dict[str, Any]:
     }
 
 
+def _force(found: Discovery, one: ForceInTime, best: bool) -> dict[str, Any]:
+    """With its course where it is the best."""
+    names = [log.name for log in found.model.data.recordings]
+    courses = [
+        {
+            "recording": names[k],
+            "time": time.tolist(),
+            **{
+                way: {"value": mean.tolist(), "deviation": deviation.tolist()}
+                for way, (mean, deviation) in zip(one.place.pushes, one.force[k])
+            },
+        }
+        for k, time in one.time.items()
+    ]
+    return {
+        "acts_on": one.place.acts_on,
+        "unit": one.place.unit,
+        "closure": one.closure.value,
+        "closure_interval": [one.closure.low, one.closure.high],
+        "courses": courses if best else [],
+    }
+
+
 def _effect(scored: Any) -> str | None:
     return scored.fit.effects[0].id if scored else None
 
@@ -94,7 +119,7 @@ def sentence(found: Discovery) -> str:
     if best is None and found.skipped:
         return f"There was no time to fit a law to a held-out gap of {size:.2f}."
     if best is None and not found.healthy:
-        return f"There is no place whose law could close most of the held-out gap of {size:.2f}."
+        return f"There is no place whose law could close most of the held-out gap of {size:.2f}.{_instead(found)}"
     if best is None:
         return f"There is nothing to discover: the held-out gap is {size:.2f}, where noise alone leaves 1."
     law = f"{with_numbers(best)}, on {best.place.acts_on}"
@@ -110,6 +135,17 @@ def sentence(found: Discovery) -> str:
     if found.library is not None and found.library.held_out < best.held_out:
         return (
             f"No law: the library's {found.library.label} leaves less (a held-out gap of {found.library.held_out:.2f}) "
-            f"than the best law of this grammar ({best.held_out:.2f}); ask gap diagnose."
+            f"than the best law of this grammar ({best.held_out:.2f}); ask gap diagnose.{_instead(found)}"
         )
-    return f"No law of this grammar surely closes more than half of the gap; the best, {law}, closes {share.value:.0%}."
+    return (
+        "No law of this grammar surely closes more than half of the gap; "
+        f"the best, {law}, closes {share.value:.0%}.{_instead(found)}"
+    )
+
+
+def _instead(found: Discovery) -> str:
+    """What a force without a formula does where no law does."""
+    best = next(iter(found.forces), None)
+    if best is None or best.closure.low <= found.model.criteria.main_share:
+        return ""
+    return f" A force in time on {best.place.acts_on}, without a formula, closes {best.closure.value:.0%}."

@@ -15,6 +15,7 @@ from boom_mj.diagnosis.linearisation import Linearisation, linearise
 from boom_mj.diagnosis.scoring import Scored
 from boom_mj.diagnosis.screening import Screening, spectral_lines
 from boom_mj.diagnosis.stages import refined, singles
+from boom_mj.discovery.forces import ForceInTime, forces_in_time
 from boom_mj.discovery.search import FoundLaw, fitted, possible, sums
 from boom_mj.discovery.where import places_of
 from boom_mj.estimation.bootstrap import Closure, gap, worse_by
@@ -39,6 +40,7 @@ class Discovery:
         same_as: it, where it does what the law does.
         withheld: an effect that was left out of the library and leaves less than the law.
         places: of every place the law that leaves least there, the best first.
+        forces: without a formula, of every place that can be pushed, that which closes most first.
     """
 
     verdict: str
@@ -52,6 +54,7 @@ class Discovery:
     same_as: Scored | None = None
     withheld: Scored | None = None
     places: tuple[FoundLaw, ...] = ()
+    forces: tuple[ForceInTime, ...] = ()
 
     @property
     def healthy(self) -> bool:
@@ -66,16 +69,24 @@ class Discovery:
         return held_out_closure(self.model, self.as_built, after)
 
 
-def discover(predictor: Predictor, without: Sequence[str] = (), clock: Clock | None = None) -> Discovery:
+def discover(
+    predictor: Predictor, without: Sequence[str] = (), clock: Clock | None = None, forces: bool = False
+) -> Discovery:
     """Find a law that closes a gap which no effect of the library closes.
 
     Args:
         predictor: of a system and its recordings.
         without: ids of effects that are withheld from the library.
         clock: how much time there is, and who hears one line per stage.
+        forces: whether forces in time are estimated although there is a law.
     """
+    clock = clock or Clock()
     with threadpool_limits(1):  # simulations have the cores
-        return _discover(predictor, without, clock or Clock())
+        found = _discover(predictor, without, clock)
+        if found.healthy or not (forces or found.verdict == "none"):
+            return found
+        raw = found.model.residual(found.model.base)
+        return replace(found, forces=forces_in_time(found.model, raw, clock), skipped=clock.skipped)
 
 
 def _discover(predictor: Predictor, without: Sequence[str], clock: Clock) -> Discovery:

@@ -96,13 +96,31 @@ def estimate_latent(
         limit: of the strength.
     """
     power, felt = (np.concatenate(both) for both in zip(*((p.power, p.felt(residual)) for p in trained)))
-    spread = 1 + STRENGTHS[:, None] ** 2 * power
-    likelihood = 0.5 * np.sum(felt**2 * (1 - 1 / spread) - np.log(spread), axis=1)
+    likelihood = _log_likelihood(power, felt)
     likely, strength = STRENGTHS[likelihood > likelihood.max() - LIKELY], float(STRENGTHS[np.argmax(likelihood)])
     steadiness = _steadiness(trained, strength, residual, round(window_s / KNOT_S))
     if not steadiness >= STEADY or strength > limit:
         return NONE
     return LatentInput(tuple(parts), strength, (float(likely[0]), float(likely[-1])), steadiness)
+
+
+def posterior(part: Part, residual: Array) -> tuple[Array, Array]:
+    """Of an input of the likeliest strength in one recording: mean and standard deviation in units, (k,) each.
+
+    Args:
+        residual: whitened, (N,).
+    """
+    felt = part.felt(residual)
+    square = STRENGTHS[np.argmax(_log_likelihood(part.power, felt))] ** 2
+    gain = square * part.power / (1 + square * part.power)
+    known = (part.modes**2 * part.power) @ gain
+    return part.modes @ (gain * felt), np.sqrt(square * np.maximum(1 - known, 0))
+
+
+def _log_likelihood(power: Array, felt: Array) -> Array:
+    """Of all strengths, less that of none, by modes (m,)."""
+    spread = 1 + STRENGTHS[:, None] ** 2 * power
+    return 0.5 * np.sum(felt**2 * (1 - 1 / spread) - np.log(spread), axis=1)
 
 
 def _steadiness(parts: Sequence[Part], strength: float, residual: Array, window: int) -> float:

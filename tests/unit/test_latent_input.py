@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from boom_mj.diagnosis.latent import _Responses, latent_input_of
+from boom_mj.diagnosis.latent import UnitResponses, latent_input_of
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.effects import Effect, make_effect
 from boom_mj.estimation.latent_input import CORRELATION_S, KNOT_S, NONE, LatentInput
@@ -82,12 +82,12 @@ def test_what_a_stream_lacks_moves_no_response(model: Linearisation, missing: tu
     there = (log["markers"].time < start) | (log["markers"].time > stop)
     markers = replace(log["markers"], time=log["markers"].time[there], values=log["markers"].values[there])
     holed = dataset_of(model.system, [log.with_signals({"markers": markers})], 1)
-    part, other = (
-        _Responses.begin(predictor, WIND, WIND[0], 0).part(predictor, UNWHITENED)
+    whitened, other = (
+        UnitResponses.begin(predictor, WIND, WIND[0], 0).whitened(predictor, UNWHITENED)
         for predictor in (model.predictor, Predictor(model.system, holed, threads=1))
     )
     for number, channel in enumerate(data.channels):
-        whole, own = part.responses[data.stretch(number)], other.responses[holed.stretch(number)]
+        whole, own = whitened[data.stretch(number)], other[holed.stretch(number)]
         kept = np.isin(channel.blocks, holed.channels[number].blocks)
         assert np.count_nonzero(kept) > 3 and kept.all() == (channel.signal != "markers")
         assert np.allclose(own, whole[kept], atol=1e-6 + 1e-3 * np.abs(whole).max())

@@ -212,6 +212,35 @@ class PlaceClosure(Part):
     closure: Number
 
 
+class Course(Part):
+    """At every time."""
+
+    value: list[Number]
+    deviation: list[Number]
+
+
+class ForceCourse(Part):
+    """A force over time in one recording; besides, by direction, its `value` and standard `deviation`."""
+
+    recording: str
+    time: list[Number]
+    up: Course | None = None
+    left: Course | None = None
+    positive: Course | None = None
+
+
+class PlaceForce(Part):
+    """What a force in time at a place, of no formula, would close."""
+
+    acts_on: str
+    unit: str
+    closure: Number
+    """Of channels that had no part in its estimate."""
+    closure_interval: list[Number]
+    courses: list[ForceCourse]
+    """By held-out recording; of the best place only."""
+
+
 class LibraryBest(Part):
     """The effect of the library that does best alone."""
 
@@ -240,6 +269,8 @@ class GapDiscover(Part):
     """The best of every length."""
     ties: list[Formula]
     places: list[PlaceClosure]
+    forces: list[PlaceForce]
+    """Best place first; only where there is no law, or where asked for."""
     library: LibraryBest | None
     withheld: str | None
     """Id of an effect that was left out of the library and leaves less than the law."""

@@ -33,5 +33,9 @@ def discovery_page(found: Discovery, names: Sequence[str], findings: Sequence[Da
     if found.front:
         facts = {"picture": pictures.front(found), "rows": answer["front"], "ties": answer["ties"]}
         sections.append(Section("front", "Longer and shorter laws", facts))
+    if found.forces:
+        sections.append(
+            Section("forces", "A force in time", {"picture": pictures.force(found), "rows": answer["forces"]})
+        )
     environment = page_environment("boom_mj.report.discovery", number=number, gap=gap_size, percent=percent)
     return environment.get_template("discovery.html").render(answer=answer, sections=sections)

@@ -96,6 +96,26 @@ def over_time(found: Discovery, rows: list[Missing]) -> Markup:
     return draw("time", f"{rows[0].label}: what is missing, and the law", WIDTH, ROW * len(rows) + 40, paint)
 
 
+def force(found: Discovery) -> Markup:
+    """The best force in time, by held-out recording and direction."""
+    best = found.forces[0]
+
+    def paint(figure: Figure) -> None:
+        rows = figure.subplots(len(best.time), 1, squeeze=False)[:, 0]
+        for axes, (index, time) in zip(rows, best.time.items()):
+            for way, (mean, deviation), colour in zip(best.place.pushes, best.force[index], (CORRECTED, NOMINAL)):
+                axes.fill_between(time, mean - 2 * deviation, mean + 2 * deviation, color=colour, alpha=0.25, lw=0)
+                axes.plot(time, mean, color=colour, lw=1.2, label=way)
+            axes.set_title(found.model.data.recordings[index].name, loc="left")
+            axes.set_ylabel(best.place.unit)
+        if len(best.place.pushes) > 1:
+            rows[0].legend(frameon=False, ncols=2, loc="upper right")
+        rows[-1].set_xlabel("time, s")
+
+    words = f"The force in time on {best.place.acts_on}"
+    return draw("force", words, WIDTH, ROW * len(best.time) + 40, paint)
+
+
 def front(found: Discovery) -> Markup:
     """The held-out gap that laws of one, two, ... terms leave."""
     laws = list(found.front)
