@@ -102,7 +102,7 @@ def _summary(answer: dict[str, Any]) -> str:
         lines.append(
             f"  {len(row['terms'])} terms leave {row['holdout_gap']:.2f}: {row['formula']}, on {row['acts_on']}"
         )
-    for force in answer["forces"][:3]:
+    for force in [force for force in answer["forces"] if force["closure"] > 0][:3]:
         low, high = force["closure_interval"]
         lines.append(
             f"  a force in time on {force['acts_on']} closes {force['closure']:.0%}   95 %: {low:.0%} .. {high:.0%}"
