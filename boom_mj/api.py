@@ -260,7 +260,7 @@ def discover(
 
     Args:
         without: ids of effects of the library that a law may stand for.
-        forces: whether to estimate forces in time, without a formula, although there is a law.
+        forces: whether to estimate forces in time, without a formula, even where the gap is explained.
     """
     system, checked = _checked(machine, train, holdout, tell)
     with no_log():

@@ -1,6 +1,6 @@
-"""Sealed check of `gap discover`: booms with a law that is in no library, healthy ones, and withheld effects.
+"""Sealed check of `gap discover`: booms with a law that is in no library, shoved or healthy ones, withheld effects.
 
-    python scripts/discovery.py make WORK --commit ID [--laws 40] [--healthy 20]
+    python scripts/discovery.py make WORK --commit ID [--laws 40] [--healthy 20] [--shoves 10]
     python scripts/discovery.py run WORK [--only GLOB]
     python scripts/discovery.py report WORK -o docs/results/discovery.md [--note TEXT]
 
@@ -31,7 +31,7 @@ from boom_mj.blind.detectability import Detectability
 from boom_mj.blind.figures import wilson
 from boom_mj.blind.plant import nuisances, true_plant
 from boom_mj.blind.sampling import VISIBLE, draw
-from boom_mj.effects import BOOM_SITES, Effect, ModelEffect, OutputEffect, Parameter, builtin
+from boom_mj.effects import BOOM_SITES, Effect, ForceEffect, ModelEffect, Motion, OutputEffect, Parameter, builtin
 from boom_mj.effects.spec_edits import bent_by
 from boom_mj.logs import write_mcap
 from boom_mj.machine import Machine, cylinder_lengths, load_machine
@@ -137,6 +137,37 @@ class Drag(ModelEffect):
         ball.fluid_coefs = [self.sizes["c"] / (1e-4 * np.pi * radius**2), 0.0, 0.0, 0.0, 0.0]
 
 
+class Shove(ForceEffect):
+    """Somebody pushes: bumps in time at one point, across the boom's plane and upwards."""
+
+    id = "hidden_shove"
+    table: ClassVar = NUMBER
+    point: str
+    sizes: Mapping[str, float]
+
+    def force(self, motion: Motion) -> Mapping[str, Array]:
+        (up, left), slew = course(self.sizes, motion.time), motion.joints[:, 0]
+        return {self.point: np.stack([-np.sin(slew) * left, np.cos(slew) * left, up], axis=1)}
+
+
+def course(sizes: Mapping[str, float], time: Array) -> Array:
+    """Of a shove, upwards and to the left, (2, n), N."""
+    bumps = [s * np.exp(-(((time - sizes[f"at{k}"]) / sizes["width"]) ** 2)) for k, s in enumerate((1, -1, 1))]
+    return np.outer([np.sin(sizes["way"]), np.cos(sizes["way"])], sizes["peak"] * np.sum(bumps, axis=0))
+
+
+POINTS = {"tip": "the tip", **{f"marker{3 * link - 4}": f"the middle of link {link}" for link in (3, 4, 5)}}
+
+
+def shove(rng: np.random.Generator) -> dict[str, Any]:
+    """At a random point, the further in, the harder."""
+    k = int(rng.integers(4))
+    point, times = list(POINTS)[k], np.sort(rng.uniform([4, 14, 30], [10, 26, 50]))
+    sizes = {"peak": rng.uniform(300, 600) * (1, 4, 2, 1.5)[k], "way": rng.uniform(-np.pi, np.pi)}
+    sizes |= {"width": rng.uniform(0.8, 2.5), **{f"at{j}": t for j, t in enumerate(times)}}
+    return {"form": "shove", "place": {"point": point}, "sizes": {n: float(v) for n, v in sizes.items()}, "terms": {}}
+
+
 def drawn(form: str, machine: Machine, rng: np.random.Generator) -> dict[str, Any]:
     """A form at a random place of random size: what is sealed."""
     cylinder = int(rng.integers(2, 4))
@@ -202,6 +233,11 @@ def seen(form: str, machine: Machine, rng: np.random.Generator, eyes: Sequence[D
 def effect_of(truth: Mapping[str, Any]) -> Effect:
     """The hidden effect."""
     place = truth["place"]
+    if truth["form"] == "shove":
+        effect: Effect = Shove(number=1.0)
+        object.__setattr__(effect, "sizes", truth["sizes"])
+        object.__setattr__(effect, "point", place["point"])
+        return effect
     kind = {"hardening": Hardening, "tip_drag": Drag}.get(truth["form"]) or (ImuGain if "link" in place else Cylinder)
     site = next(s for s in BOOM_SITES if s.location == {k: v for k, v in place.items() if k in ("link", "cylinder")})
     effect = kind(site, number=1.0)
@@ -214,7 +250,7 @@ def write_case(truth: Mapping[str, Any], folder: Path) -> None:
     """The logs of a case."""
     machine, rng = load_machine("boom36"), np.random.default_rng(truth["seed"])
     own = nuisances(machine, rng)
-    added = [effect_of(truth)] if truth["form"] in FORMS else []
+    added = [effect_of(truth)] if truth["form"] in (*FORMS, "shove") else []
     if truth["form"] == "withheld":
         eyes = eyes_of(machine)
         found, _ = draw(truth["id"], rng, lambda effects: min(eye.visibility(effects) for eye in eyes))
@@ -227,7 +263,7 @@ def write_case(truth: Mapping[str, Any], folder: Path) -> None:
             write_mcap(record(run_experiment(plant, experiment), experiment, rng), folder / part / f"{name}.mcap")
 
 
-def make(work: Path, commit: str, laws: int, healthy: int) -> None:
+def make(work: Path, commit: str, laws: int, healthy: int, shoves: int) -> None:
     seed = sha256(f"{commit}{NAME}".encode()).digest()
     rng = np.random.default_rng(list(seed))
     machine = load_machine("boom36")
@@ -235,6 +271,7 @@ def make(work: Path, commit: str, laws: int, healthy: int) -> None:
     eyes = eyes_of(machine)
     cases = [seen(form, machine, rng, eyes) for form in forms]
     cases += [{"form": "healthy", "place": {}, "sizes": {}, "terms": {}}] * healthy
+    cases += [shove(rng) for _ in range(shoves)]
     known = [name for name, kind in builtin().items() if kind.competes and kind.allowed(BOOM_SITES)]
     cases += [{"form": "withheld", "id": name, "place": {}, "sizes": {}, "terms": {}} for name in known]
     truth = {}
@@ -302,6 +339,21 @@ def judged(case: Mapping[str, Any], answer: Mapping[str, Any]) -> dict[str, Any]
     return {"law": True, "place": right, "form": form, "error": max(errors, default=np.nan)}
 
 
+def found_force(case: Mapping[str, Any], answer: Mapping[str, Any]) -> dict[str, Any]:
+    """Whether the best force in time is at the right place, and how far it is off, over its size."""
+    best = next(iter(answer.get("forces") or []), None)
+    if not best or best["acts_on"] != POINTS[case["place"]["point"]]:
+        return {"place": False, "error": np.nan, "closure": np.nan}
+    off, all_of_it = [], []
+    for one in best["courses"]:
+        time = np.array(one["time"])
+        true = course(case["sizes"], time)[:, time < time[-1] - 2]  # the last has not been felt yet
+        off.append(np.array([one["up"]["value"], one["left"]["value"]])[:, : true.shape[1]] - true)
+        all_of_it.append(true)
+    error = np.sqrt(np.mean(np.hstack(off) ** 2) / np.mean(np.hstack(all_of_it) ** 2))
+    return {"place": True, "error": float(error), "closure": best["closure"]}
+
+
 def share(hits: Sequence[bool]) -> str:
     low, high = wilson(sum(hits), len(hits))
     return f"{sum(hits)} of {len(hits)} ({low:.0%} .. {high:.0%})"
@@ -330,6 +382,19 @@ def report(work: Path, page: Path, note: str) -> None:
         ("healthy: nothing to discover", "20 of 20", share(healthy)),
         ("CPU seconds of a case, median and worst", "180", f"{np.median(cpu):.0f}, {max(cpu):.0f}"),
     ]
+    shoves = {n: found_force(c, answers[n]) for n, c in cases.items() if c["form"] == "shove"}
+    if shoves:
+        there = [v for v in shoves.values() if v["place"]]
+        errors, closed = (sorted(v[key] for v in there) for key in ("error", "closure"))
+        rows += [
+            ("a force of no formula: right place", "-", share([v["place"] for v in shoves.values()])),
+            ("its course off, over its size: median, worst", "-", f"{np.median(errors):.2f}, {errors[-1]:.2f}"),
+            (
+                "its closure, in channels with no part in it: median, worst",
+                "-",
+                f"{np.median(closed):.2f}, {closed[0]:.2f}",
+            ),
+        ]
     misses = [
         f"- `{n}`: {c['form']} at {_words(c['place'])} ({_sizes(c)}): {answers[n]['sentence']}"
         for n, c in laws.items()
@@ -342,6 +407,11 @@ def report(work: Path, page: Path, note: str) -> None:
             counts = [len(own), *(sum(bool(v[key]) for v in own) for key in ("place", "form"))]
             counts.append(sum(v["error"] < 0.1 for v in own))
             by_form.append(f"| {form} | {' | '.join(map(str, counts))} |")
+    misses += [
+        f"- `{n}`: shove on {POINTS[cases[n]['place']['point']]} ({_sizes(cases[n])}): {answers[n]['sentence']}"
+        for n, found in shoves.items()
+        if not found["place"]
+    ]
     withheld = []
     missing = [(c["id"], answers[n]) for n, c in cases.items() if c["form"] == "withheld"]
     for name, a in sorted(missing, key=lambda item: item[0]):
@@ -422,6 +492,7 @@ def main() -> None:
             one.add_argument("--commit", required=True)
             one.add_argument("--laws", type=int, default=40)
             one.add_argument("--healthy", type=int, default=20)
+            one.add_argument("--shoves", type=int, default=10)
         elif name == "run":
             one.add_argument("--only", default="*")
         else:

@@ -40,7 +40,7 @@ def command(
         typer.Option(metavar="ID", help="Effect of the library that a law may stand for; several may be given."),
     ] = None,
     forces: Annotated[
-        bool, typer.Option(help="Also estimate forces in time, without a formula, where there is a law.")
+        bool, typer.Option(help="Estimate forces in time, without a formula, even where the gap is explained.")
     ] = False,
     channels: ChannelMapFile = None,
     model: ModelFile = None,

@@ -1,6 +1,6 @@
 """What latent inputs of effects do in every recording: few units are simulated.
 
-In between boom and pose hardly change, and a response is that of the latest unit, later.
+In between the machine hardly changes, and a response is that of the latest unit, later.
 """
 
 from collections.abc import Sequence
@@ -40,11 +40,17 @@ def latent_input_of(
 
 
 def units_of(predictor: Predictor, index: int) -> tuple[Array, Array]:
-    """Times of all units of a recording, (k,), s, and which are simulated: wherever a joint has moved a STRIDE."""
-    knots = np.arange(KNOT_S, predictor.data.duration(index), KNOT_S)
-    motion, chosen = predictor.system.timeline(predictor.data.recordings[index]).coordinates(knots), [0]
+    """Times of all units of a recording, (k,), s, and which are simulated.
+
+    Those are where a joint has moved a STRIDE, or a motion or a load has ended: a released boom swings otherwise.
+    """
+    data = predictor.data
+    knots, timeline = np.arange(KNOT_S, data.duration(index), KNOT_S), predictor.system.timeline(data.recordings[index])
+    motion, phases = timeline.coordinates(knots), timeline.phases()
+    phase = phases[np.minimum((knots / data.block_s).astype(int), len(phases) - 1)]
+    ended, chosen = np.char.startswith(phase, "after") & (phase != np.roll(phase, 1)), [0]
     for k, pose in enumerate(motion):
-        if np.max(np.abs(pose - motion[chosen[-1]])) > STRIDE:
+        if np.max(np.abs(pose - motion[chosen[-1]])) > STRIDE or (k and ended[k]):
             chosen.append(k)
     return knots, np.array(chosen)
 

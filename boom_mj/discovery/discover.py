@@ -62,6 +62,13 @@ class Discovery:
         data = self.model.data
         return max(gap(self.as_built, rows) for rows in (data.train, data.held_out)) <= self.model.criteria.healthy_gap
 
+    @property
+    def explained(self) -> bool:
+        """Whether there is a law, or an effect of the library that surely closes most of the gap."""
+        effects = [one.fit.residual for one in (self.library, self.withheld) if one]
+        closures = (held_out_closure(self.model, self.as_built, after) for after in effects)
+        return self.verdict == "law" or any(one.low > self.model.criteria.main_share for one in closures)
+
     @cached_property
     def closure(self) -> Closure:
         """Of the held-out gap, by the best law."""
@@ -78,12 +85,12 @@ def discover(
         predictor: of a system and its recordings.
         without: ids of effects that are withheld from the library.
         clock: how much time there is, and who hears one line per stage.
-        forces: whether forces in time are estimated although there is a law.
+        forces: whether forces in time are estimated although the gap is explained.
     """
     clock = clock or Clock()
     with threadpool_limits(1):  # simulations have the cores
         found = _discover(predictor, without, clock)
-        if found.healthy or not (forces or found.verdict == "none"):
+        if found.healthy or (found.explained and not forces):
             return found
         raw = found.model.residual(found.model.base)
         return replace(found, forces=forces_in_time(found.model, raw, clock), skipped=clock.skipped)

@@ -27,6 +27,7 @@ from boom_mj.estimation.latent_input import KNOT_S, make_part, posterior
 Array = np.ndarray
 EVERY_S = 0.25  # between the numbers that a force in time is made of
 ROUNDS = 3
+SLOW_S = 10.0  # between the numbers of slow forces, whose responses are simulated as a whole
 MOST_UNITS = 200  # that are simulated for one recording
 UNIT = 100.0  # N, on a boom
 SHARE = 0.1  # of what a joint's actuator exerts, a unit there
@@ -89,7 +90,7 @@ class ForceInTime:
     Attributes:
         closure: of the held-out gap, every channel predicted by a force that the other half of them tells.
         time: by held-out recording, s from its start, (n,); of the best place only.
-        force: mean and standard deviation, of noise alone, by recording, in the place's unit, (directions, 2, n).
+        force: mean and standard deviation, of noise and nuisances, in the place's unit, (directions, 2, n) each.
     """
 
     place: ForcePlace
@@ -146,7 +147,8 @@ def _closure(model: Linearisation, raw: Array, recordings: Sequence["_Recording"
 
 def _with_course(found: ForceInTime, recordings: Sequence["_Recording"]) -> ForceInTime:
     """By all channels."""
-    force = {one.index: one.fitted(np.ones(len(one.responses), bool))[0] * one.place.value for one in recordings}
+    everything = ((one, np.ones(len(one.responses), bool)) for one in recordings)
+    force = {one.index: one.refined().fitted(told)[0] * one.place.value for one, told in everything}
     return replace(found, time={one.index: one.time for one in recordings}, force=force)
 
 
@@ -171,11 +173,30 @@ class _Recording:
 
     @classmethod
     def of(cls, model: Linearisation, raw: Array, place: ForcePlace, units: Sequence[UnitResponses]) -> "_Recording":
-        knots, index = units[0].knots, units[0].index
+        """By simulated units; a force that ends as the recording begins is a unit of its own."""
+        predictor, noise, knots = model.predictor, model.noise.plain, units[0].knots
         time = np.arange(0.0, knots[-1] + EVERY_S, EVERY_S)
         hats = np.maximum(1 - np.abs(knots[:, None] - time) / EVERY_S, 0).astype(np.float32)
-        responses = np.hstack([one.whitened(model.predictor, model.noise.plain) @ hats for one in units])
-        return cls(model, place, index, model.data.rows(index), raw, time, responses)
+        responses = [one.whitened(predictor, noise) @ hats for one in units]
+        found = cls(model, place, index := units[0].index, model.data.rows(index), raw, time, np.hstack(responses))
+        found.responses[:, :: len(time)] = found.simulated((0.0, EVERY_S), [(1.0, 0.0)])
+        return found
+
+    def refined(self) -> "_Recording":
+        """With responses to slow forces that are simulated as a whole: sums of units ring where poses change."""
+        slow = np.arange(0.0, self.time[-1] + SLOW_S, SLOW_S)
+        wide = np.maximum(1 - np.abs(self.time[:, None] - slow) / SLOW_S, 0)
+        each = np.kron(np.eye(len(self.place.pushes)), wide)
+        missing = self.simulated(self.time, wide.T) - self.responses @ each
+        return replace(self, responses=(self.responses + missing @ np.linalg.pinv(each)).astype(np.float32))
+
+    def simulated(self, time: Iterable[float], courses: Iterable[Iterable[float]]) -> Array:
+        """Whitened responses to courses over given times, one direction after the other, (n, directions courses)."""
+        predictor, level = self.model.predictor, self.model.facts.fidelity.coarse
+        pushes = [push.following(time, course) for push in self.place.pushes.values() for course in courses]
+        without, *found = (predictor.begin(whole, level, self.index) for whole in ((), *((push,) for push in pushes)))
+        changes = np.stack([future.result() - without.result() for future in found], axis=1)
+        return self.model.noise.plain.whitened(self.rows, changes)
 
     @property
     def nuisances(self) -> Array:
@@ -189,7 +210,7 @@ class _Recording:
 
     def fitted(self, told: Array) -> tuple[Array, Array]:
         """By some entries, (n,) of bool: mean and deviation, (directions, 2, m), and what is left of all, (n,)."""
-        predictor, level, pushes = self.model.predictor, self.model.facts.fidelity.coarse, self.place.pushes.values()
+        pushes = self.place.pushes.values()
         turn, size, _ = np.linalg.svd(np.where(told[:, None], self.nuisances, 0), full_matrices=False)
         share = 1 - 1 / np.sqrt(1 + size**2)
 
@@ -200,7 +221,8 @@ class _Recording:
 
         apart = (self.time + APART_S * np.arange(len(pushes))[:, None]).ravel()
         part = make_part(self.rows, heard(self.responses), apart)
-        without, wanted = predictor.begin((), level, self.index), self.raw.copy()
+        predictor, level, wanted = self.model.predictor, self.model.facts.fidelity.coarse, self.raw.copy()
+        without = predictor.begin((), level, self.index)
         wanted[self.rows] = heard(self.raw[self.rows])
         for _ in range(ROUNDS):
             mean, deviation = (x.reshape(len(pushes), -1) for x in posterior(part, wanted))

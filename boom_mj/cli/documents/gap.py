@@ -270,7 +270,7 @@ class GapDiscover(Part):
     ties: list[Formula]
     places: list[PlaceClosure]
     forces: list[PlaceForce]
-    """Best place first; only where there is no law, or where asked for."""
+    """Best place first; only where nothing explains the gap, or where asked for."""
     library: LibraryBest | None
     withheld: str | None
     """Id of an effect that was left out of the library and leaves less than the law."""
