@@ -26,7 +26,7 @@ from boom_mj.estimation.latent_input import KNOT_S, make_part, posterior
 
 Array = np.ndarray
 EVERY_S = 0.25  # between the numbers that a force in time is made of
-ROUNDS = 3
+ROUNDS = 3  # simulations of a force, each improved by what the last has left
 SLOW_S = 10.0  # between the numbers of slow forces, whose responses are simulated as a whole
 MOST_UNITS = 200  # that are simulated for one recording
 UNIT = 100.0  # N, on a boom
