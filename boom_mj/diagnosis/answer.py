@@ -10,7 +10,7 @@ from boom_mj.diagnosis.diagnose import Diagnosis
 from boom_mj.diagnosis.localisation import in_words, locate, looks_like
 from boom_mj.diagnosis.named import brief, described, named_as_causes
 from boom_mj.diagnosis.predictions import estimated_nuisances, nuisances
-from boom_mj.diagnosis.sentences import rival, sentence
+from boom_mj.diagnosis.sentences import other_laws, rival, sentence
 from boom_mj.diagnosis.steps import ChannelSteps, nuisance_sizes
 from boom_mj.estimation.bootstrap import gap
 from boom_mj.replay.quality import DataFinding
@@ -146,6 +146,7 @@ def _remainder(found: Diagnosis) -> dict[str, Any]:
         "share": max(left - 1, 0.0) / whole,
         "looks_like": looks_like(found.model, found.residual),
         "where": in_words(locate(found.model, found.residual)),
+        "other_laws": [{"location": place, "holdout_gap": left} for place, left in other_laws(found)],
         "train_with": [found.model.data.recordings[k].name for k in found.not_trained],
     }
 

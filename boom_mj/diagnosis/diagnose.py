@@ -16,6 +16,7 @@ from boom_mj.diagnosis.linearisation import Linearisation, linearise
 from boom_mj.diagnosis.scoring import Scored
 from boom_mj.diagnosis.screening import Screened, Screening, spectral_lines
 from boom_mj.diagnosis.stages import combined, refined, singles
+from boom_mj.diagnosis.stand_in import freed
 from boom_mj.estimation.bootstrap import Closure, closure, gap
 from boom_mj.systems.predictor import Predictor
 from boom_mj.systems.system import Designs, ResidualForce, ResidualForces, separating_experiments
@@ -39,6 +40,7 @@ class Diagnosis:
         model: the healthy machine, about which all this is said.
         odds: probabilities of the scored candidates, in their order, and of what else there is.
         skipped: what was not looked at for want of time.
+        freed: the best explanation with a joint's resistance set free, where its law is another (`stand_in`).
         simplest: held-out gap that the simplest model leaves, with the explanation or without; None where not tried.
     """
 
@@ -54,6 +56,7 @@ class Diagnosis:
     model: Linearisation
     odds: Odds
     skipped: tuple[str, ...] = ()
+    freed: tuple[Scored, ...] = ()
     simplest: float | None = None
 
     @property
@@ -76,7 +79,8 @@ class Diagnosis:
         """Of the effects of the best explanation: whether nothing else does what they do."""
         if not self.best:
             return ()
-        return tuple(needed(self.best, self.scored, self.as_built, effect) for effect in self.best.fit.effects)
+        rivals = (*self.scored, *self.freed)
+        return tuple(needed(self.best, rivals, self.as_built, effect) for effect in self.best.fit.effects)
 
     @cached_property
     def budget(self) -> Budget | None:
@@ -208,14 +212,15 @@ def _concluded(
         best = None
     share = held_out_closure(model, as_built, best.fit.residual if best else as_built)
     verdict = "unexplained" if best or before > criteria.healthy_gap else "consistent"
-    ties: tuple[Scored, ...] = ()
+    ties, other_laws = tuple[Scored, ...](), tuple[Scored, ...]()
     if best and explains(gaps, best, share):
         rivals = (j for j in scored if j is not best and solved(gaps, j))
         ties = tuple(j for j in rivals if ties_with(model, best, j, before))
         verdict = "ambiguous" if ties else "explained"
     elif best and 1 - criteria.shadow >= criteria.named_probability and any_needed(best, scored, as_built):
-        verdict = "partial"
-        if criteria.gain_z:  # what is left does not hide that others leave as much
+        other_laws = tuple(freed(best, clock))
+        verdict = "partial" if any_needed(best, (*scored, *other_laws), as_built) else "unexplained"
+        if criteria.gain_z and verdict == "partial":  # what is left does not hide that others leave as much
             ties = tuple(j for j in scored if j is not best and ties_with(model, best, j, before))
     following = None
     if best and ties:
@@ -237,6 +242,7 @@ def _concluded(
         model,
         odds(as_built, scored, model, mimicked),
         clock.skipped,
+        other_laws,
         simplest_gap(model, best) if verdict in ("unexplained", "partial") else None,
     )
 

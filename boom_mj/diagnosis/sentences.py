@@ -8,6 +8,7 @@ from boom_mj.diagnosis.diagnose import Diagnosis
 from boom_mj.diagnosis.localisation import in_words, locate
 from boom_mj.diagnosis.named import brief, closure_of, described
 from boom_mj.diagnosis.scoring import Scored
+from boom_mj.effects.free_resistance import FreeResistance
 from boom_mj.estimation.bootstrap import gap
 
 BESIDE = 4  # suspects that a sentence names
@@ -43,7 +44,7 @@ def sentence(found: Diagnosis) -> str:
         tried = f"; {found.best.label} would {leaves}" if found.best else ""
         hidden = " and ".join(data.recordings[k].name for k in found.not_trained)
         advice = f" Training recordings do not show all of it; train with {hidden} as well." if hidden else ""
-        advice += _simulated(found) + _unfinished(found)
+        advice += _other_laws(found) + _simulated(found) + _unfinished(found)
         return f"The gap of {before:.1f} has no explanation in the library{tried}: {where}.{advice}"
     named = [found.verdict != "partial" or sure for sure in found.sure]
     causes = [_in_words(entry) for entry, so in zip(described(found), named) if so]
@@ -62,7 +63,7 @@ def sentence(found: Diagnosis) -> str:
         if found.criteria.gain_z and (beside := _beside(found)):
             others = f" and {len(beside) - BESIDE} others" * (len(beside) > BESIDE)
             text += f". The data do not tell what acts beside: {', '.join(beside[:BESIDE])}{others}"
-    return f"{text}. Without it, {where}.{_extended(found)}{_simulated(found)}{_unfinished(found)}"
+    return f"{text}. Without it, {where}.{_extended(found)}{_other_laws(found)}{_simulated(found)}{_unfinished(found)}"
 
 
 def _beside(found: Diagnosis) -> list[str]:
@@ -71,6 +72,17 @@ def _beside(found: Diagnosis) -> list[str]:
     sure = {e.cause for e, so in zip(found.best.fit.effects, found.sure) if so} if found.best else set()
     beside = [effect for effects in explanations for effect in effects if effect.cause not in sure]
     return list(dict.fromkeys(Candidate((effect,)).label.replace("_", " ") for effect in beside))
+
+
+def other_laws(found: Diagnosis) -> list[tuple[dict[str, int | str], float]]:
+    """Places at which a cause only stands in for another law, and the gap that any function of speed leaves there."""
+    free = ((effect, one) for one in found.freed for effect in one.fit.effects if isinstance(effect, FreeResistance))
+    return [(effect.location, one.held_out) for effect, one in free]
+
+
+def _other_laws(found: Diagnosis) -> str:
+    joints = " and ".join(f"joint {place['joint']} ({left:.1f} is left)" for place, left in other_laws(found))
+    return f" Another law resists {joints}, if it may be any function of speed: ask gap discover." if joints else ""
 
 
 def _simulated(found: Diagnosis) -> str:

@@ -114,12 +114,20 @@ class ChannelSteps(Part):
     """Of with_causes, 95 %."""
 
 
+class OtherLaw(Part):
+    """Where a cause stands in for a law that the library lacks, and what any function of speed leaves there."""
+
+    location: dict[str, Any]
+    holdout_gap: Number
+
+
 class Remainder(Part):
     """What an explanation leaves above the floor."""
 
     share: Number
     looks_like: str
     where: str
+    other_laws: list[OtherLaw]
     train_with: list[str]
 
 
