@@ -23,6 +23,7 @@ from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.effects import ForceEffect, Motion, Site
 from boom_mj.estimation.bootstrap import Closure
 from boom_mj.estimation.latent_input import KNOT_S, make_part, posterior
+from boom_mj.machine import Machine
 
 Array = np.ndarray
 EVERY_S = 0.25  # between the numbers that a force in time is made of
@@ -35,7 +36,7 @@ APART_S = 1e6  # between the directions of a force, which know nothing of each o
 
 
 class Push(ForceEffect):
-    """A force in time on a point of a boom, in the plane across it or upwards, or on a joint of any MJCF machine."""
+    """A force in time: upwards or to the left on a point of a boom, or on a joint of any MJCF machine."""
 
     id = "push"
     time: tuple[float, ...] = (0.0,)
@@ -128,8 +129,9 @@ def _places(model: Linearisation) -> Iterator[ForcePlace]:
             push = Push(Site(site.key, value=SHARE * site.value))
             yield ForcePlace(f"joint {site.location['joint']}", site.force_unit, {"positive": push})
         elif "boom" in site.tags and not site.keys:
-            each = len(model.system.machine.sensors.markers_x)  # type: ignore[attr-defined]
-            points = {f"marker{each * k + each // 2 + 1}": f"the middle of link {k + 2}" for k in range(4)}
+            machine: Machine = model.system.machine  # type: ignore[attr-defined]
+            each, links = len(machine.sensors.markers_x), range(len(machine.links))
+            points = {f"marker{each * k + each // 2 + 1}": f"the middle of link {k + 2}" for k in links}
             for point, acts_on in {"tip": "the tip", **points}.items():
                 ways = {way: Push(Site((("point", point), ("direction", way)), value=UNIT)) for way in ("up", "left")}
                 yield ForcePlace(acts_on, "N", ways)
