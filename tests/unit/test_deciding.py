@@ -124,7 +124,8 @@ def test_the_remainder_is_a_share_of_mean_squares(monkeypatch: pytest.MonkeyPatc
     for name in ("looks_like", "locate", "in_words"):
         monkeypatch.setattr(answer, name, lambda *given: None)
     data = SimpleNamespace(held_out=None, recordings=())
-    found = SimpleNamespace(as_built=3.0, residual=2.0, not_trained={}, model=SimpleNamespace(data=data))
+    model = SimpleNamespace(data=data)
+    found = SimpleNamespace(as_built=3.0, residual=2.0, not_trained={}, freed=(), model=model)
     assert answer._remainder(found)["share"] == pytest.approx((4 - 1) / 9)
     assert answer._remainder(SimpleNamespace(**{**vars(found), "residual": 0.9}))["share"] == 0.0
 
