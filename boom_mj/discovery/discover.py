@@ -212,7 +212,9 @@ def _tied(model: Linearisation, best: FoundLaw, other: FoundLaw) -> bool:
 
 
 def _is_law(model: Linearisation, as_built: Array, best: FoundLaw) -> bool:
-    """Whether a law surely closes most of the gap; of one near noise it must be no chance."""
+    """Whether a law closes most of the gap, in training and surely held out; of one near noise it must be no chance."""
+    before, after = (gap(residual, model.data.train) for residual in (as_built, best.residual))
+    trained = before - after > model.criteria.main_share * (before - 1)
     near = gap(as_built, model.data.held_out) <= model.criteria.near_noise_gap
     share = held_out_closure(model, as_built, best.residual)
-    return share.low > model.criteria.main_share and (not near or sure(model, as_built, best.scored))
+    return trained and share.low > model.criteria.main_share and (not near or sure(model, as_built, best.scored))
