@@ -86,9 +86,9 @@ def _row(law: FoundLaw) -> dict[str, Any]:
 
 
 def _force(found: Discovery, one: ForceInTime, best: bool) -> dict[str, Any]:
-    """With its course where it is the best."""
+    """With its time history where it is the best."""
     names = [log.name for log in found.model.data.recordings]
-    courses = [
+    histories = [
         {
             "recording": names[k],
             "time": time.tolist(),
@@ -104,7 +104,7 @@ def _force(found: Discovery, one: ForceInTime, best: bool) -> dict[str, Any]:
         "unit": one.place.unit,
         "closure": one.closure.value,
         "closure_interval": [one.closure.low, one.closure.high],
-        "courses": courses if best else [],
+        "histories": histories if best else [],
     }
 
 

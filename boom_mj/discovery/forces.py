@@ -120,7 +120,7 @@ def forces_in_time(model: Linearisation, raw: Array, clock: Clock) -> tuple[Forc
         found.append((ForceInTime(place, _closure(model, raw, recordings)), recordings))
         clock.tell(f"a force in time on {place.acts_on} closes {found[-1][0].closure.value:.0%}")
     found.sort(key=lambda one: -one[0].closure.value)
-    return tuple(_with_course(one, own) if k == 0 else one for k, (one, own) in enumerate(found))
+    return tuple(_with_history(one, own) if k == 0 else one for k, (one, own) in enumerate(found))
 
 
 def _places(model: Linearisation) -> Iterator[ForcePlace]:
@@ -147,7 +147,7 @@ def _closure(model: Linearisation, raw: Array, recordings: Sequence["_Recording"
     return held_out_closure(model, before, after)
 
 
-def _with_course(found: ForceInTime, recordings: Sequence["_Recording"]) -> ForceInTime:
+def _with_history(found: ForceInTime, recordings: Sequence["_Recording"]) -> ForceInTime:
     """By all channels."""
     everything = ((one, np.ones(len(one.responses), bool)) for one in recordings)
     force = {one.index: one.refined().fitted(told)[0] * one.place.value for one, told in everything}
@@ -192,10 +192,10 @@ class _Recording:
         missing = self.simulated(self.time, wide.T) - self.responses @ each
         return replace(self, responses=(self.responses + missing @ np.linalg.pinv(each)).astype(np.float32))
 
-    def simulated(self, time: Iterable[float], courses: Iterable[Iterable[float]]) -> Array:
-        """Whitened responses to courses over given times, one direction after the other, (n, directions courses)."""
+    def simulated(self, time: Iterable[float], histories: Iterable[Iterable[float]]) -> Array:
+        """Whitened responses to histories over given times, one direction after the other, (n, directions k)."""
         predictor, level = self.model.predictor, self.model.facts.fidelity.coarse
-        pushes = [push.following(time, course) for push in self.place.pushes.values() for course in courses]
+        pushes = [push.following(time, one) for push in self.place.pushes.values() for one in histories]
         without, *found = (predictor.begin(whole, level, self.index) for whole in ((), *((push,) for push in pushes)))
         changes = np.stack([future.result() - without.result() for future in found], axis=1)
         return self.model.noise.plain.whitened(self.rows, changes)

@@ -220,21 +220,21 @@ class PlaceClosure(Part):
     closure: Number
 
 
-class Course(Part):
+class History(Part):
     """At every time."""
 
     value: list[Number]
     deviation: list[Number]
 
 
-class ForceCourse(Part):
+class ForceHistory(Part):
     """A force over time in one recording; besides, by direction, its `value` and standard `deviation`."""
 
     recording: str
     time: list[Number]
-    up: Course | None = None
-    left: Course | None = None
-    positive: Course | None = None
+    up: History | None = None
+    left: History | None = None
+    positive: History | None = None
 
 
 class PlaceForce(Part):
@@ -245,7 +245,7 @@ class PlaceForce(Part):
     closure: Number
     """Of channels that had no part in its estimate."""
     closure_interval: list[Number]
-    courses: list[ForceCourse]
+    histories: list[ForceHistory]
     """By held-out recording; of the best place only."""
 
 
