@@ -198,7 +198,9 @@ class _Recording:
         pushes = [push.following(time, one) for push in self.place.pushes.values() for one in histories]
         without, *found = (predictor.begin(whole, level, self.index) for whole in ((), *((push,) for push in pushes)))
         changes = np.stack([future.result() - without.result() for future in found], axis=1)
-        return self.model.noise.plain.whitened(self.rows, changes)
+        return self.model.noise.plain.whitened(
+            self.rows, np.nan_to_num(changes)
+        )  # what cannot be simulated does nothing
 
     @property
     def nuisances(self) -> Array:
@@ -229,7 +231,7 @@ class _Recording:
         for _ in range(ROUNDS):
             mean, deviation = (x.reshape(len(pushes), -1) for x in posterior(part, wanted))
             whole = tuple(push.following(self.time, size) for push, size in zip(pushes, mean))
-            change = predictor.begin(whole, level, self.index).result() - without.result()
+            change = np.nan_to_num(predictor.begin(whole, level, self.index).result() - without.result())
             left = self.raw[self.rows] - self.model.noise.plain.whitened(self.rows, change[:, None])[:, 0]
             wanted[self.rows] = heard(left + self.responses @ mean.ravel())
         return np.stack([mean, deviation], axis=1), left
