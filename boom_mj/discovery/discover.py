@@ -109,18 +109,15 @@ def _discover(predictor: Predictor, without: Sequence[str], clock: Clock) -> Dis
     clock.tell(f"{sum(len(place.terms) for place in places)} terms at {len(places)} places")
     ranked = sums(model, raw, places) if places else []
     laws = sorted(fitted(model, ranked, gaps[0], clock), key=lambda found: found.held_out)
-    best = None
-    if laws:
-        chosen = _chosen(model, as_built, laws)
-        best = replace(chosen, scored=refined([chosen.scored], gaps, clock)[0])
+    chosen = _chosen(model, as_built, laws) if laws else None
+    best = replace(chosen, scored=refined([chosen.scored], gaps, clock)[0]) if chosen else None
     clock.tell("the library")
-    fall = 1 - (gap(best.residual, model.data.train) / gaps[0]) ** 2 if best else 0.0
-    library = _library(model, raw, as_built, model.criteria.main_share * fall, clock)
+    library = _library(model, raw, as_built, chosen, clock)
     left = [one for one in library if one.fit.effects[0].id not in without]
-    same = next((one for one in library if best and _alike(model, one, best)), None)
+    same = next((one for one in library if best and _alike(model, one.fit.residual, best.residual)), None)
     named = left[0] if left else None
     verdict = "law" if best and _is_law(model, as_built, best) else "none"
-    if best and named and named is not same and _better(model, named, best):
+    if best and named and named is not same and _better(model, named.fit.residual, best.residual):
         verdict = "none"
     return Discovery(
         verdict,
@@ -132,7 +129,10 @@ def _discover(predictor: Predictor, without: Sequence[str], clock: Clock) -> Dis
         ties=tuple(one for one in laws if best and _tied(model, best, one)),
         library=named,
         same_as=same,
-        withheld=next((one for one in library if one not in left and best and _better(model, one, best)), None),
+        withheld=next(
+            (one for one in library if one not in left and best and _better(model, one.fit.residual, best.residual)),
+            None,
+        ),
         places=_by_place(laws),
     )
 
@@ -182,25 +182,32 @@ def _loss(model: Linearisation, better: Array, worse: Array) -> tuple[float, flo
     return worse_by(model.data.windows[rows], better[rows], worse[rows])
 
 
-def _library(model: Linearisation, raw: Array, as_built: Array, least: float, clock: Clock) -> list[Scored]:
-    """The library's effects alone, the best first, of those that promise at least a share of the training misfit."""
+def _library(model: Linearisation, raw: Array, as_built: Array, law: FoundLaw | None, clock: Clock) -> list[Scored]:
+    """The library's effects alone, the best first, of those that promise at least a share of what a law closes.
+
+    Those that leave no more than the law are refined.
+    """
     if clock.over("the library"):
         return []
     gaps = gap(as_built, model.data.train), gap(as_built, model.data.held_out)
+    fall = 1 - (gap(law.residual, model.data.train) / gaps[0]) ** 2 if law else 0.0
     screening = Screening(model, everywhere(model.system), spectral_lines(model, as_built))
-    promising = [one for one in screening.rank(raw) if one.share >= least]
-    return refined(singles(model, promising, gaps, clock), gaps, clock) if promising else []
+    promising = [one for one in screening.rank(raw) if one.share >= model.criteria.main_share * fall]
+    found = singles(model, promising, gaps, clock) if promising else []
+    worse = [one for one in found if law and _better(model, law.residual, one.fit.residual)]
+    rivals = [one for one in found if one not in worse]
+    return (refined(rivals, gaps, clock) if rivals else []) + worse
 
 
-def _alike(model: Linearisation, library: Scored, best: FoundLaw) -> bool:
-    """Whether an effect of the library leaves what the law leaves, in what both change."""
-    loss, error = _loss(model, best.residual, library.fit.residual)
+def _alike(model: Linearisation, one: Array, other: Array) -> bool:
+    """Whether a residual is as large as another, in what both change."""
+    loss, error = _loss(model, other, one)
     return abs(loss) <= max(model.criteria.tie_z * error, model.criteria.least_gain)
 
 
-def _better(model: Linearisation, library: Scored, best: FoundLaw) -> bool:
-    """Whether an effect of the library leaves less than the law, beyond what chance does."""
-    loss, error = _loss(model, library.fit.residual, best.residual)
+def _better(model: Linearisation, better: Array, worse: Array) -> bool:
+    """Whether a residual is smaller than another, beyond what chance does."""
+    loss, error = _loss(model, better, worse)
     return loss > max(model.criteria.tie_z * error, model.criteria.least_gain)
 
 

@@ -47,6 +47,7 @@ class Place:
         sizes: of coefficients whose function is not one of variables.
         channel: signal and column that a sensor's law alters; None of a law that moves the machine.
         thresholds: how many are tried within a variable's range.
+        first: how many of its terms are looked at first, the others where these explain much; all if left out.
         sense: the variables in a recording, (n,) each, with their time; None where they are not known beforehand.
     """
 
@@ -60,6 +61,7 @@ class Place:
     sizes: Mapping[str, float] = field(default_factory=dict)
     channel: tuple[str, int] | None = None
     thresholds: int = THRESHOLDS
+    first: int | None = None
     sense: Callable[[int], dict[str, Array]] | None = None
 
     @property

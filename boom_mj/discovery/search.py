@@ -4,7 +4,7 @@ Every term is a law of its own that is screened as a candidate of the diagnosis 
 normal equations, so that a law of three terms costs no further simulation until it is fitted.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -94,21 +94,36 @@ def possible(model: Linearisation, as_built: Array, places: Sequence[Place]) -> 
 
 
 def sums(model: Linearisation, raw: Array, places: Sequence[Place]) -> list[list[Sum]]:
-    """The best sums of terms at every place, best place first, by size of the sum and then by share."""
-    kinds = {law_class(place, (term,)): (place, term) for place in places for term in place.terms}
+    """The best sums of terms at every place, best place first, by size of the sum and then by share.
+
+    All terms of a place count only where its first ones explain their share (`main_share`) of what the best place does.
+    """
+    first = _screened(model, raw, {place: place.terms[: place.first] for place in places})
+    least = model.criteria.main_share * max((_promise(own) for own in first), default=0.0)
+    more = {own[0].place: own[0].place.terms for own in first if own[0].place.first and _promise(own) >= least}
+    found = [own for own in first if own[0].place not in more] + (_screened(model, raw, more) if more else [])
+    return sorted(found, key=_promise, reverse=True)
+
+
+def _promise(own: Sequence[Sum]) -> float:
+    return max(one.share for one in own)
+
+
+def _screened(model: Linearisation, raw: Array, places: Mapping[Place, Sequence[Term]]) -> list[list[Sum]]:
+    """The best sums of some terms at every place."""
+    kinds = {law_class(place, (term,)): (place, term) for place, terms in places.items() for term in terms}
     screening = Screening(model, [(kind, place.site) for kind, (place, _) in kinds.items()], ())
-    columns = []
+    columns = dict[Place, list[Column]]()
     for (kind, _, group), part in zip(screening.rows, screening.stretches):
         place, term = kinds[kind]
-        columns.append(Column(place, term, group[0].get(term.shape.name) if term.shape else None, part))
+        shape = group[0].get(term.shape.name) if term.shape else None
+        columns.setdefault(place, []).append(Column(place, term, shape, part))
     slopes, curvature, _, whole = screening.normal_equations(raw)
     found = []
-    for place in places:
-        own = [column for column in columns if column.place is place]
-        if own:
-            numbers = np.concatenate([np.arange(c.part.start, c.part.stop) for c in own])
-            found.append(_beam(place, own, numbers, slopes[numbers], curvature(numbers, numbers), whole, model.budget))
-    return sorted(found, key=lambda ranked: -max(s.share for s in ranked))
+    for place, own in columns.items():
+        numbers = np.concatenate([np.arange(c.part.start, c.part.stop) for c in own])
+        found.append(_beam(place, own, numbers, slopes[numbers], curvature(numbers, numbers), whole, model.budget))
+    return found
 
 
 def _beam(
@@ -175,8 +190,8 @@ def fitted(model: Linearisation, ranked: Sequence[Sequence[Sum]], before: float,
         before: gap in training.
     """
     budget, share = model.budget, model.criteria.main_share
-    least = share * max((s.share for at_place in ranked for s in at_place), default=0.0)
-    likely = [one for one in ranked if max(s.share for s in one) >= least][: budget.law_places]
+    least = share * max(map(_promise, ranked), default=0.0)
+    likely = [one for one in ranked if _promise(one) >= least][: budget.law_places]
     for at_place in likely:
         shorter = np.inf  # mean square above noise that sums promise to leave
         for size in range(1, budget.law_terms + 1):

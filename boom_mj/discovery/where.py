@@ -21,6 +21,7 @@ LEAST = 0.1  # of what a joint's actuator exerts, that a law of it is worth find
 BEND = 0.02  # rad, slope that a link of the loaded boom gathers
 SHARE = 0.3  # of a link's stiffness at that slope
 STOPS = 4  # thresholds of a link's stop that are tried: each costs a simulation
+FIRST = 2  # terms of a link, a change of stiffness and of rest: they imitate all others to a large part
 TIP = {"drag": 20.0, "weight": 200.0, "inertia": 20.0}  # N s^2/m^2, N and kg
 
 
@@ -113,7 +114,7 @@ def _link(base: type[Effect], site: Site, motions: Motions) -> Iterator[Place]:
     slope = {"slope": np.linspace(-BEND, BEND, 9)}
     for bends, way in (("v", "vertical"), ("w", "lateral")):
         acts = f"the {way} bending of link {site.location['link']}"
-        yield Place(base, site, acts, slope, 1.0, {}, {"bends": bends}, sizes, thresholds=STOPS)
+        yield Place(base, site, acts, slope, 1.0, {}, {"bends": bends}, sizes, thresholds=STOPS, first=FIRST)
 
 
 def _tip(base: type[Effect], site: Site, motions: Motions) -> Iterator[Place]:
