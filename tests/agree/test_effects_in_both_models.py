@@ -55,3 +55,17 @@ def test_a_heavier_link(link: int) -> None:
     wanted = reference_modes(with_link(link, mass=1.2, rotary_inertia=1.2)) / reference_modes(BOOM)
     found = plant_modes(("link_mass", {"link": link, "factor": 1.2})) / plant_modes()
     np.testing.assert_allclose(found, wanted, atol=APART)
+
+
+@pytest.mark.parametrize("link", [3, 5])
+def test_a_longer_link(link: int) -> None:
+    longer = with_link(link, length=1.03, center_of_gravity=1.03, rotary_inertia=1 / 1.03)
+    error = 0.03 * BOOM.links[link - 2].length
+    effect = "link_length", {"link": link, "error": error}
+    np.testing.assert_allclose(
+        plant_modes(effect) / plant_modes(), reference_modes(longer) / reference_modes(BOOM), atol=APART
+    )
+    for hinges in (1, 4):
+        drawn, stretched = make_plant(longer, hinges), make_plant(BOOM, hinges, [make_effect(*effect)])
+        tips = [plant.tip(plant.static_equilibrium(BENT)) for plant in (drawn, stretched)]
+        np.testing.assert_allclose(*tips, atol=2e-3 * error)

@@ -19,7 +19,7 @@ class CameraPose(OutputEffect):
         **{f"rotation_{axis}": Parameter("rad", 0.0, -0.5, 0.5, 0.003) for axis in "xyz"},
         **{f"translation_{axis}": Parameter("m", 0.0, -5.0, 5.0, 0.03) for axis in "xyz"},
     }
-    confused_with = ("joint_zero_offset", "base_compliance", "joint_sensor_nonlinearity", "marker_slip")
+    confused_with = ("joint_zero_offset", "base_compliance", "joint_sensor_nonlinearity", "marker_slip", "link_length")
     separating_experiment = "slew_tour"
 
     def observe(self, signals: Mapping[str, Signal], machine: Machine) -> Mapping[str, Signal]:

@@ -17,7 +17,7 @@ class LinkMass(ModelEffect):
     at = ("link",)
     needs = frozenset({"boom"})
     table = {"factor": Parameter("1", 1.0, 0.2, 5.0, 0.1)}
-    confused_with = ("tip_payload", "pipe_concrete", "pressure_scale")
+    confused_with = ("tip_payload", "pipe_concrete", "pressure_scale", "link_length")
     separating_experiment = "sweep"
     sizes = (1.0, -1.0)
 

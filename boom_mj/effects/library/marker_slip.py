@@ -22,7 +22,7 @@ class MarkerSlip(OutputEffect):
     at = ("marker",)
     needs = frozenset({"boom"})
     table = {f"offset_{axis}": Parameter("m", 0.0, -1.0, 1.0, 0.02) for axis in "xyz"}
-    confused_with = ("thermal_bending", "camera_pose")
+    confused_with = ("thermal_bending", "camera_pose", "link_length")
     separating_experiment = "sweep"
 
     def observe(self, signals: Mapping[str, Signal], machine: Machine) -> Mapping[str, Signal]:
