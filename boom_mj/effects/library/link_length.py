@@ -9,9 +9,9 @@ from boom_mj.machine import Machine
 
 
 class LinkLength(ModelEffect):
-    """A link as long as its drawing tells and some more; all that lies on it keeps its share of the length, mass its kg.
+    """A link as long as its drawing tells and some more; what lies on it keeps its share of the length.
 
-    What bends has the drawing's E I, so that a longer link gives more.
+    Masses are those of the drawing, and E I, so that a longer link gives more.
     """
 
     id = "link_length"
@@ -36,4 +36,4 @@ class LinkLength(ModelEffect):
                 part.pos = part.pos * along
             for joint in body.joints:
                 joint.stiffness = joint.stiffness / stretch
-        bodies[0].pos = bodies[0].pos + [error, 0.0, 0.0]
+        bodies[0].pos = np.add(bodies[0].pos, [error, 0.0, 0.0])
