@@ -30,7 +30,8 @@ def test_classes_have_their_shares_and_effects_are_dealt_evenly() -> None:
     singles = Counter(order.ids[0] for order in found if order.kind == "single")
     of_booms = {name for name, kind in builtin().items() if kind.allowed(BOOM_SITES)}
     assert set(singles) == of_booms - {"joint_zero_offset"} and max(singles.values()) - min(singles.values()) <= 1
-    assert sorted(order.without for order in found if order.kind == "withheld") == sorted(singles)
+    withheld = {order.without for order in found if order.kind == "withheld"}
+    assert len(withheld) == MIX["withheld"] and withheld <= set(singles)
     assert len({order.ids[0] for order in found if order.kind == "stranger"}) == len(UNLISTED) >= 5
     assert [order.kind for order in found] != sorted(order.kind for order in found)
     for order in found:
