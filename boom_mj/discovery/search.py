@@ -22,6 +22,7 @@ from boom_mj.estimation.intervals import Z95
 from boom_mj.estimation.least_squares import OPTIONS
 
 Array = np.ndarray
+ROUNDING = 1e-6  # of a column's square: products of columns in single precision are no better
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +123,9 @@ def _screened(model: Linearisation, raw: Array, places: Mapping[Place, Sequence[
     found = []
     for place, own in columns.items():
         numbers = np.concatenate([np.arange(c.part.start, c.part.stop) for c in own])
-        found.append(_beam(place, own, numbers, slopes[numbers], curvature(numbers, numbers), whole, model.budget))
+        size = np.einsum("nc,nc->c", screening.columns[:, numbers], screening.columns[:, numbers])
+        square = curvature(numbers, numbers) + np.diag(ROUNDING * size)
+        found.append(_beam(place, own, numbers, slopes[numbers], square, whole, model.budget))
     return found
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from boom_mj.effects import AngleEffect, Effect, OutputEffect
 from boom_mj.effects.kinds import INVERSIONS
+from boom_mj.errors import EffectError
 from boom_mj.machine import Machine, cylinder_lengths
 from boom_mj.recording import Recording, Signal, named_signal, sample
 from boom_mj.simulation import Experiment, Trajectory
@@ -53,10 +54,18 @@ def angle_errors(effects: Sequence[Effect], angles: Array) -> Array:
 
 
 def true_angles(effects: Sequence[Effect], reading: Array) -> Array:
-    """Joint angles behind a reading, (n, 5), rad: the fixed point of reading less error, which is small and smooth."""
+    """Joint angles behind a reading, (n, 5), rad: the fixed point of reading less error, which is small and smooth.
+
+    Raises:
+        EffectError: the errors are no sensor's, so large that none is found within half a turn.
+    """
     errors, angles = [e for e in effects if isinstance(e, AngleEffect)], reading
-    for _ in range(INVERSIONS if errors else 0):
-        angles = reading - angle_errors(errors, angles)
+    with np.errstate(over="ignore", invalid="ignore"):
+        for _ in range(INVERSIONS if errors else 0):
+            angles = reading - angle_errors(errors, angles)
+        if errors and not np.all(np.abs(reading - angles) < np.pi):
+            named = ", ".join(map(repr, errors))
+            raise EffectError(f"no joint angle within half a turn of the reading explains it with {named}")
     return angles
 
 

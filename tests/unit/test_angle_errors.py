@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from boom_mj.effects import AngleEffect, make_effect
+from boom_mj.effects import AngleEffect, Parameter, Site, make_effect
+from boom_mj.errors import EffectError
 from boom_mj.recording import Recording, named_signal
 from boom_mj.sensors import driving_angles, true_angles
 from boom_mj.sensors.measure import angle_errors
@@ -30,6 +31,23 @@ def test_errors_of_one_joint_add_up_and_are_taken_away_together() -> None:
     reading = angles + angle_errors(effects, angles)
     assert reading[:, 1] - angles[:, 1] == pytest.approx(0.02 * np.sin(2 * angles[:, 1] + 0.3) + 0.01)
     assert np.abs(true_angles(effects, reading) - angles).max() < 1e-7
+
+
+def test_an_error_of_no_sensor_is_named() -> None:
+    """Fits try such ones on their way; where the angle grows without end nothing could be simulated."""
+
+    class Steep(AngleEffect):
+        id = "steep"
+        table = {"cube": Parameter("1/rad^2", 0.0, -10.0, 10.0, 1.0)}
+
+        def error(self, angle: np.ndarray) -> np.ndarray:
+            return self.values["cube"] * angle**3
+
+    reading = np.linspace(-1.5, 1.5, 40)[:, None] * np.ones(5)
+    steep, slight = (Steep(Site((("joint", 2),)), cube=cube) for cube in (9.0, 0.01))
+    assert np.abs(true_angles([slight], reading) - reading).max() < 0.04
+    with pytest.raises(EffectError, match="steep"):
+        true_angles([steep], reading)
 
 
 def test_a_sensors_error_is_taken_out_before_it_is_blunted_with_the_noise() -> None:
