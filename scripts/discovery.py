@@ -396,7 +396,7 @@ def report(work: Path, page: Path, note: str) -> None:
             ),
         ]
     misses = [
-        f"- `{n}`: {c['form']} at {_words(c['place'])} ({_sizes(c)}): {answers[n]['sentence']}"
+        f"- `{n}`: {c['form']} at {_words(c['place'])} ({_sizes(c)}): {_last_line(answers[n])}"
         for n, c in laws.items()
         if not (verdicts[n]["form"] and verdicts[n]["error"] < 0.1)
     ]
@@ -408,7 +408,7 @@ def report(work: Path, page: Path, note: str) -> None:
             counts.append(sum(v["error"] < 0.1 for v in own))
             by_form.append(f"| {form} | {' | '.join(map(str, counts))} |")
     misses += [
-        f"- `{n}`: shove on {POINTS[cases[n]['place']['point']]} ({_sizes(cases[n])}): {answers[n]['sentence']}"
+        f"- `{n}`: shove on {POINTS[cases[n]['place']['point']]} ({_sizes(cases[n])}): {_last_line(answers[n])}"
         for n, found in shoves.items()
         if not found["place"]
     ]
@@ -437,6 +437,11 @@ def report(work: Path, page: Path, note: str) -> None:
 
 def _words(place: Mapping[str, Any]) -> str:
     return " ".join(f"{k} {v}" for k, v in place.items()) or "the tip"
+
+
+def _last_line(answer: Mapping[str, Any]) -> str:
+    """Of its sentence, which of an error is a traceback."""
+    return str(answer["sentence"].strip().splitlines()[-1])
 
 
 def _sizes(case: Mapping[str, Any]) -> str:
