@@ -180,7 +180,9 @@ class TipLaw(Law, ModelEffect, ForceEffect):
 
     Its table holds any of `weight` (N), `inertia` (kg, not negative) and `drag` (N s^2/m^2). What has inertia and no
     weight is a body whose gravity is compensated. MuJoCo's drag of an ellipsoid in a fluid is the drag: rho C A = c, so
-    thin that the boom's own surfaces feel nothing of it.
+    thin that the boom's own surfaces feel nothing of it. Springs and dampers move as with the implicit integrator, to
+    the last digit; that one would derive the fluid's force on every body, which takes four times as long and, by a
+    tip that jolts, errs by four times as much.
     """
 
     needs = frozenset({"boom"})
@@ -193,6 +195,7 @@ class TipLaw(Law, ModelEffect, ForceEffect):
         if not (drag := self.values.get("drag", 0.0)):
             return
         spec.option.density = THIN
+        spec.option.integrator = mujoco.mjtIntegrator.mjINT_EULER  # see above
         tip = spec.site("tip")
         ball = tip.parent.add_geom(name="ball", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[BALL, 0, 0], pos=tip.pos)
         ball.mass, ball.contype, ball.conaffinity, ball.fluid_ellipsoid = 0.0, 0, 0, 1.0

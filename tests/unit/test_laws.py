@@ -8,11 +8,11 @@ import pytest
 
 from boom_mj.discovery.grammar import GRAMMARS
 from boom_mj.discovery.places import Place, law_class
-from boom_mj.effects import BOOM_SITES, Parameter, Site, laws, load_effects, make_effect
+from boom_mj.effects import BOOM_SITES, ModelEffect, Parameter, Site, laws, load_effects, make_effect
 from boom_mj.errors import EffectError
-from boom_mj.machine import load_machine
+from boom_mj.machine import Machine, load_machine
 from boom_mj.recording import Signal
-from boom_mj.simulation import Plant, make_plant
+from boom_mj.simulation import CATALOGUE, Plant, make_plant, run_experiment
 from boom_mj.testing import check_effect
 
 pytestmark = pytest.mark.usefixtures("own_files")
@@ -64,6 +64,21 @@ def test_drag_takes_the_power_of_its_formula() -> None:
         mujoco.mj_jacSite(one.model, data, jacobian, None, one.model.site("tip").id)
     speed = float(np.linalg.norm(jacobian @ qvel))
     assert power[1] - power[0] == pytest.approx(-drag * speed**3, rel=1e-4)
+
+
+class Explicit(ModelEffect):
+    """The integrator of a drag without the drag."""
+
+    id = "test_explicit"
+
+    def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
+        spec.option.integrator = mujoco.mjtIntegrator.mjINT_EULER
+
+
+def test_springs_and_dampers_do_not_know_which_integrator_drag_needs() -> None:
+    machine, brief = load_machine("boom36"), CATALOGUE["release_bow_vertical"].model_copy(update={"duration": 10.0})
+    motions = [run_experiment(make_plant(machine, 2, effects), brief) for effects in ((), (Explicit(),))]
+    np.testing.assert_array_equal(*(motion.qpos for motion in motions))
 
 
 def test_weight_and_inertia_are_a_payload() -> None:
