@@ -345,7 +345,7 @@ def found_force(case: Mapping[str, Any], answer: Mapping[str, Any]) -> dict[str,
     if not best or best["acts_on"] != POINTS[case["place"]["point"]]:
         return {"place": False, "error": np.nan, "closure": np.nan}
     off, all_of_it = [], []
-    for one in best.get("histories") or best["courses"]:  # as answers of f4f893e have them
+    for one in best["histories"]:
         time = np.array(one["time"])
         true = history(case["sizes"], time)[:, time < time[-1] - 2]  # the last has not been felt yet
         off.append(np.array([one["up"]["value"], one["left"]["value"]])[:, : true.shape[1]] - true)

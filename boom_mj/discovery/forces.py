@@ -198,9 +198,8 @@ class _Recording:
         pushes = [push.following(time, one) for push in self.place.pushes.values() for one in histories]
         without, *found = (predictor.begin(whole, level, self.index) for whole in ((), *((push,) for push in pushes)))
         changes = np.stack([future.result() - without.result() for future in found], axis=1)
-        return self.model.noise.plain.whitened(
-            self.rows, np.nan_to_num(changes)
-        )  # what cannot be simulated does nothing
+        changes = np.nan_to_num(changes)  # what cannot be simulated does nothing
+        return self.model.noise.plain.whitened(self.rows, changes)
 
     @property
     def nuisances(self) -> Array:

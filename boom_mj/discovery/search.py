@@ -99,18 +99,17 @@ def sums(model: Linearisation, raw: Array, places: Sequence[Place]) -> list[list
 
     All terms of a place count only where its first ones explain their share (`main_share`) of what the best place does.
     """
-    first = _screened(model, raw, {place: place.terms[: place.first] for place in places})
-    least = model.criteria.main_share * max((_promise(own) for own in first), default=0.0)
-    more = {own[0].place: own[0].place.terms for own in first if own[0].place.first and _promise(own) >= least}
-    found = [own for own in first if own[0].place not in more] + (_screened(model, raw, more) if more else [])
-    return sorted(found, key=_promise, reverse=True)
+    found = _screened(model, raw, {place: place.terms[: place.first] for place in places})
+    least = model.criteria.main_share * max(map(_promise, found.values()), default=0.0)
+    more = {place: place.terms for place, own in found.items() if place.first and _promise(own) >= least}
+    return sorted((found | (_screened(model, raw, more) if more else {})).values(), key=_promise, reverse=True)
 
 
 def _promise(own: Sequence[Sum]) -> float:
     return max(one.share for one in own)
 
 
-def _screened(model: Linearisation, raw: Array, places: Mapping[Place, Sequence[Term]]) -> list[list[Sum]]:
+def _screened(model: Linearisation, raw: Array, places: Mapping[Place, Sequence[Term]]) -> dict[Place, list[Sum]]:
     """The best sums of some terms at every place."""
     kinds = {law_class(place, (term,)): (place, term) for place, terms in places.items() for term in terms}
     screening = Screening(model, [(kind, place.site) for kind, (place, _) in kinds.items()], ())
@@ -120,12 +119,12 @@ def _screened(model: Linearisation, raw: Array, places: Mapping[Place, Sequence[
         shape = group[0].get(term.shape.name) if term.shape else None
         columns.setdefault(place, []).append(Column(place, term, shape, part))
     slopes, curvature, _, whole = screening.normal_equations(raw)
-    found = []
+    found = {}
     for place, own in columns.items():
         numbers = np.concatenate([np.arange(c.part.start, c.part.stop) for c in own])
         size = np.einsum("nc,nc->c", screening.columns[:, numbers], screening.columns[:, numbers])
         square = curvature(numbers, numbers) + np.diag(ROUNDING * size)
-        found.append(_beam(place, own, numbers, slopes[numbers], square, whole, model.budget))
+        found[place] = _beam(place, own, numbers, slopes[numbers], square, whole, model.budget)
     return found
 
 

@@ -69,3 +69,13 @@ def test_a_longer_link(link: int) -> None:
         drawn, stretched = make_plant(longer, hinges), make_plant(BOOM, hinges, [make_effect(*effect)])
         tips = [plant.tip(plant.static_equilibrium(BENT)) for plant in (drawn, stretched)]
         np.testing.assert_allclose(*tips, atol=2e-3 * error)
+
+
+def test_a_longer_link_leaves_the_spring_of_its_drive_as_it_is() -> None:
+    effects = [
+        make_effect("link_length", {"link": 3, "error": 0.5}),
+        make_effect("hydraulic_compliance", {"joint": 3, "stiffness": 2e7}),
+    ]
+    stiffness = [make_plant(BOOM, 2, both).model.jnt_stiffness for both in (effects, effects[::-1])]
+    np.testing.assert_array_equal(*stiffness)
+    assert 2e7 in stiffness[0]

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 
 from boom_mj.effects import ModelEffect, Parameter
-from boom_mj.effects.spec_edits import link_bodies
+from boom_mj.effects.spec_edits import link_bodies, link_hinges
 from boom_mj.machine import Machine
 
 
@@ -34,6 +34,7 @@ class LinkLength(ModelEffect):
             body.fullinertia = spread * [1.0, stretch**2, stretch**2, stretch, stretch, 1.0]
             for part in (*body.joints, *body.sites, *body.geoms):
                 part.pos = part.pos * along
-            for joint in body.joints:
-                joint.stiffness = joint.stiffness / stretch
+        for axis in ("v", "w", "torsion"):
+            for hinge in link_hinges(spec, number, axis):
+                hinge.stiffness, hinge.damping = hinge.stiffness / stretch, hinge.damping / stretch
         bodies[0].pos = np.add(bodies[0].pos, [error, 0.0, 0.0])
