@@ -10,11 +10,13 @@ from boom_mj.engine import mass_matrix
 from boom_mj.machine import Machine
 from boom_mj.machine.shapes import STIFFNESS
 
+Array = np.ndarray
 ARMATURE = 1.0  # kg m^2, far below any link, so that a mass matrix without the drive's own stays regular
 SLIM = 1e-3  # armature of a series joint over the inertia behind it
 BRAKE = "friction"  # tendon JOINT/friction: the joint's friction behind play
 LEAST_YIELD = 1e-12  # m or rad
 LIGHT = 1e-9  # kg, kg m^2
+FLAT = 1e-6  # least extent of a body over its largest, squared
 SEATS = ("payload", "tip", "attachment_site")  # sites where a payload is carried
 
 
@@ -55,6 +57,21 @@ def bent_by(spec: mujoco.MjSpec, machine: Machine, link: int, axis: str) -> list
     """Hinges of v or w of a link, each with the length of link whose bend it gathers, m: E I / stiffness."""
     own = machine.links[link - 2]
     return [(h, float(STIFFNESS[axis](own, h.pos[0])) / h.stiffness[0]) for h in link_hinges(spec, link, axis)]
+
+
+def second_moment(body: mujoco.MjsBody) -> Array:
+    """Second moment of a body's mass about its centre, (3, 3), kg m^2."""
+    xx, yy, zz, xy, xz, yz = body.fullinertia
+    tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    return np.trace(tensor) / 2 * np.eye(3) - tensor
+
+
+def set_second_moment(body: mujoco.MjsBody, moment: Array) -> None:
+    """The inertia of a body by the second moment of its mass, (3, 3), kg m^2."""
+    size, axes = np.linalg.eigh(moment)
+    moment = (axes * np.maximum(size, FLAT * size.max())) @ axes.T  # nothing is thinner than flat
+    tensor = np.trace(moment) * np.eye(3) - moment
+    body.fullinertia = [*np.diag(tensor), tensor[0, 1], tensor[0, 2], tensor[1, 2]]
 
 
 def add_series_hinge(spec: mujoco.MjSpec, joint: int, name: str) -> mujoco.MjsJoint:

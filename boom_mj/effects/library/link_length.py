@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 
 from boom_mj.effects import ModelEffect, Parameter
-from boom_mj.effects.spec_edits import link_bodies, link_hinges
+from boom_mj.effects.spec_edits import link_bodies, link_hinges, second_moment, set_second_moment
 from boom_mj.machine import Machine
 
 
@@ -30,10 +30,11 @@ class LinkLength(ModelEffect):
         along = np.array([stretch, 1.0, 1.0])
         for body in bodies:  # each has the frame of the link's tip
             body.ipos = body.ipos * along
-            spread = np.array(body.fullinertia)
-            body.fullinertia = spread * [1.0, stretch**2, stretch**2, stretch, stretch, 1.0]
+            set_second_moment(body, np.outer(along, along) * second_moment(body))
             for part in (*body.joints, *body.sites, *body.geoms):
                 part.pos = part.pos * along
+            for drawn in filter(None, (spec.mesh(geom.meshname) for geom in body.geoms)):
+                drawn.scale = drawn.scale * along
         for axis in ("v", "w", "torsion"):
             for hinge in link_hinges(spec, number, axis):
                 hinge.stiffness, hinge.damping = hinge.stiffness / stretch, hinge.damping / stretch

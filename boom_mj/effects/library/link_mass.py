@@ -4,10 +4,8 @@ import mujoco
 import numpy as np
 
 from boom_mj.effects import Array, ModelEffect, Parameter
-from boom_mj.effects.spec_edits import stretches
+from boom_mj.effects.spec_edits import second_moment, set_second_moment, stretches
 from boom_mj.machine import Machine
-
-FLAT = 1e-6  # least extent of a body over its largest, squared
 
 
 class LinkMass(ModelEffect):
@@ -30,14 +28,7 @@ class LinkMass(ModelEffect):
         for body, start, stop in stretches(spec, machine, number):
             there = [(x, mass) for x, mass in actuators if start <= x < stop or x == stop == 0]
             parts = [(1 - factor, mass, np.array([x, 0.0, slope * x]), np.zeros((3, 3))) for x, mass in there]
-            _set_sum(body, [(factor, body.mass, np.array(body.ipos), _spread(body)), *parts])
-
-
-def _spread(body: mujoco.MjsBody) -> Array:
-    """Second moment of a body's mass about its centre, (3, 3), kg m^2."""
-    xx, yy, zz, xy, xz, yz = body.fullinertia
-    tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    return np.trace(tensor) / 2 * np.eye(3) - tensor
+            _set_sum(body, [(factor, body.mass, np.array(body.ipos), second_moment(body)), *parts])
 
 
 def _set_sum(body: mujoco.MjsBody, parts: list[tuple[float, float, Array, Array]]) -> None:
@@ -45,8 +36,5 @@ def _set_sum(body: mujoco.MjsBody, parts: list[tuple[float, float, Array, Array]
     mass = sum(factor * m for factor, m, _, _ in parts)
     center = np.sum([factor * m * c for factor, m, c, _ in parts], axis=0) / mass
     spread = np.sum([f * (own + m * np.outer(c - center, c - center)) for f, m, c, own in parts], axis=0)
-    size, axes = np.linalg.eigh(spread)
-    spread = (axes * np.maximum(size, FLAT * size.max())) @ axes.T  # nothing is thinner than flat
-    tensor = np.trace(spread) * np.eye(3) - spread
     body.mass, body.ipos = mass, center
-    body.fullinertia = [*np.diag(tensor), tensor[0, 1], tensor[0, 2], tensor[1, 2]]
+    set_second_moment(body, spread)
