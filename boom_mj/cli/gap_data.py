@@ -43,7 +43,7 @@ def load_gap_data(
 
     Args:
         channels: map of any machine's logs; a boom's if left out.
-        healthy: logs from which the machine as built is learnt.
+        healthy: logs on which the machine as built is trained.
         strict: refuse logs with which anything is wrong.
         tell: hears what healthy logs say.
 

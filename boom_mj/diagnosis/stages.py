@@ -194,15 +194,15 @@ def _simplified(scored: list[Scored], as_built: Gaps, clock: Clock) -> list[Scor
 def _refined(scored: Sequence[Scored], as_built: Gaps, clock: Clock) -> list[Scored]:
     """Those that are worth it refined.
 
-    They come close to the best and leave less than almost all that there was, or have learnt so well that what they say
-    of recordings held out may be a matter of sizes that training hardly informs.
+    They come close to the best and leave less than almost all that there was, or fit training so well that what they
+    say of recordings held out may be a matter of sizes that training hardly informs.
     """
     if not scored:
         return []
     model, budget = scored[0].model, scored[0].model.budget
-    enough, learnt = 1 + budget.hope * (as_built[1] - 1), near(model, as_built[0])
+    enough, well = 1 + budget.hope * (as_built[1] - 1), near(model, as_built[0])
     close = [j for j in scored if j.held_out < min(budget.close * scored[0].held_out, enough)][: budget.leaders]
-    close += [j for j in sorted(scored, key=lambda j: j.train)[:1] if j not in close and j.train < learnt]
+    close += [j for j in sorted(scored, key=lambda j: j.train)[:1] if j not in close and j.train < well]
     if model.criteria.gain_z:  # the simplest that does as well is chosen: special cases must have their chance
         special = [j for j in scored for one in close if _sites(j) == _sites(one) and nested(j, one)]
         close += [j for j in dict.fromkeys(special) if j not in close]

@@ -8,7 +8,7 @@ covariance s^2 Q, regularised by its likeliest strength s,
 L is that of few simulated units; the residual is simulated anew with every f, which is improved by what is left (ROUNDS
 times). Noise and errors of sensors can be pushed so as well. So a force is estimated from one half of the channels and
 judged by the other, which it has to predict, and the other way round: at a wrong place it closes little. Nuisances are
-those of the held-out recordings, since those of training have learnt what the force does there.
+those of the held-out recordings, since those of training have absorbed what the force does there.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence

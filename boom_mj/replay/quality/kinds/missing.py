@@ -10,7 +10,7 @@ from boom_mj.replay.quality.finding import Action
 class Missing(Check):
     """A sensor that no training recording has and a held-out one does, or the other way round, or only some of a part.
 
-    What is missing in training is not learnt from and judges all the same; what is missing held out judges nothing.
+    What is missing in training trains nothing and judges all the same; what is missing held out judges nothing.
     """
 
     kind = "missing"
