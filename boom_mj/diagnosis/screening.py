@@ -6,7 +6,7 @@ J^T r . w / <r, r> of the training misfit. All candidates go in one batch, and w
 what the two have in common is known: the nuisances, and the effects that the machine has already.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple
@@ -87,7 +87,9 @@ class Screening:
         same = about and level == model.facts.fidelity.coarse  # then the model's own columns are these
         nuisances = [] if same else [(*given, *t.hypothesis) for t in model.nuisances]
         loose = [*nuisances, *moved]
-        long = [point for point in dict.fromkeys(points) if self._response(point, model.columns) is None]
+        number = {point: k for k, point in enumerate(points)}
+        self.columns = np.empty((int(train.sum()), len(points)), np.float32)  # (training, c)
+        long = self._known_responses(model.columns, number)
         whole = [given, *loose, *((*given, point) for point in long)]
         found = model.predictor.predictions(whole, level, data.trained)
         base = next(found)
@@ -96,14 +98,12 @@ class Screening:
         own = model if same else model.with_noise(noise, simulated)
         known_columns = [noise.white(c)[train] / s for c, s in zip(changes.T[len(nuisances) :], steps)]
         self.follow = np.column_stack([own.posterior.trained, *known_columns])
-        number = {point: k for k, point in enumerate(points)}
-        self.columns = np.empty((int(train.sum()), len(points)), np.float32)  # (training, c)
         for point, prediction in zip(long, found):
             self.columns[:, number[point]] = noise.white(prediction - base)[train]
+        if own is not model:
+            self._known_responses(own.columns, number)
         for k, point in enumerate(points):
-            if (known_response := self._response(point, own.columns)) is not None:
-                self.columns[:, k] = noise.white(known_response)[train]
-            elif number[point] != k:
+            if number[point] != k:
                 self.columns[:, k] = self.columns[:, number[point]]
         ends = np.cumsum([0, *(len(group) for _, _, group in self.rows)])
         self._known: tuple[Array, NormalEquations] | None = None
@@ -190,10 +190,16 @@ class Screening:
         parts = np.split(self.columns, range(PART, self.columns.shape[1], PART), axis=1)
         return np.hstack([vectors.T @ part for part in parts])
 
-    def _response(self, point: Effect, columns: Array) -> Array | None:
-        """What a point changes, (N,), where that is known without simulation, from what nuisances do."""
-        system = self.model.system
-        return system.column(point, self.model.data, columns) if isinstance(system, LinearResponse) else None
+    def _known_responses(self, nuisances: Array, number: Mapping[Effect, int]) -> list[Effect]:
+        """Fill in what is known without simulation, from what nuisances do; the other points, by column."""
+        system, data, unknown = self.model.system, self.model.data, list[Effect]()
+        for point, k in number.items():
+            known = system.column(point, data, nuisances) if isinstance(system, LinearResponse) else None
+            if known is None:
+                unknown.append(point)
+            else:
+                self.columns[:, k] = self.model.noise.white(known)[data.train]
+        return unknown
 
     def _of_latent(self, effect: Effect, residual: Array) -> float:
         """The share of a whitened residual that a latent input of an effect would explain, if it has one.

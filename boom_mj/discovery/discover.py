@@ -112,7 +112,7 @@ def _discover(predictor: Predictor, without: Sequence[str], clock: Clock) -> Dis
     chosen = _chosen(model, as_built, laws) if laws else None
     best = replace(chosen, scored=refined([chosen.scored], gaps, clock)[0]) if chosen else None
     clock.tell("the library")
-    library = _library(model, raw, as_built, chosen, clock)
+    library = _library(model, raw, as_built, chosen, without, clock)
     left = [one for one in library if one.fit.effects[0].id not in without]
     same = next((one for one in library if best and _alike(model, one.fit.residual, best.residual)), None)
     named = left[0] if left else None
@@ -182,10 +182,12 @@ def _loss(model: Linearisation, better: Array, worse: Array) -> tuple[float, flo
     return worse_by(model.data.windows[rows], better[rows], worse[rows])
 
 
-def _library(model: Linearisation, raw: Array, as_built: Array, law: FoundLaw | None, clock: Clock) -> list[Scored]:
+def _library(
+    model: Linearisation, raw: Array, as_built: Array, law: FoundLaw | None, without: Sequence[str], clock: Clock
+) -> list[Scored]:
     """The library's effects alone, the best first, of those that promise at least a share of what a law closes.
 
-    Those that leave no more than the law are refined.
+    The best, and the best of those that are not withheld, are refined where they leave no more than the law.
     """
     if clock.over("the library"):
         return []
@@ -194,9 +196,10 @@ def _library(model: Linearisation, raw: Array, as_built: Array, law: FoundLaw | 
     screening = Screening(model, everywhere(model.system), spectral_lines(model, as_built))
     promising = [one for one in screening.rank(raw) if one.share >= model.criteria.main_share * fall]
     found = singles(model, promising, gaps, clock) if promising else []
-    worse = [one for one in found if law and _better(model, law.residual, one.fit.residual)]
-    rivals = [one for one in found if one not in worse]
-    return (refined(rivals, gaps, clock) if rivals else []) + worse
+    known = [one for one in found if one.fit.effects[0].id not in without]
+    best = [one for one in found if one in (found[0], *known[:1])]
+    rivals = [one for one in best if not (law and _better(model, law.residual, one.fit.residual))]
+    return (refined(rivals, gaps, clock) if rivals else []) + [one for one in found if one not in rivals]
 
 
 def _alike(model: Linearisation, one: Array, other: Array) -> bool:

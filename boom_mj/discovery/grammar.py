@@ -9,6 +9,8 @@ its coordinate's range.
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from boom_mj.effects.spec_edits import BASE_AXES
+
 
 @dataclass(frozen=True)
 class Part:
@@ -25,7 +27,7 @@ class Shape:
 
     Attributes:
         name, unit: of the parameter.
-        grid: rule by which it is looked through: "period", "threshold" or "time".
+        grid: rule by which it is looked through: "period", "threshold", "time" or "hardness".
     """
 
     name: str
@@ -120,6 +122,18 @@ TIP = (
     _term("weight", "downwards", "N"),
     _term("inertia", "-acceleration", "kg"),
 )
+BASE = (
+    *(_term(f"{axis}_tilt", axis, "rad") for axis in BASE_AXES),
+    *(_term(f"{axis}_give", f"{axis} moment", "rad/(N m)") for axis in BASE_AXES),
+    *(
+        Term(
+            f"{axis}_hard_give",
+            (Part(f"{axis}_give", f"{axis} moment / (1 + {axis}_hardness {axis}^2)", "rad/(N m)"),),
+            Shape(f"{axis}_hardness", "1/rad^2", "hardness"),
+        )
+        for axis in BASE_AXES
+    ),
+)
 GRAMMARS: Mapping[str, tuple[Term, ...]] = {
     "CylinderLaw": CYLINDER,
     "JointLaw": DRIVE,
@@ -129,5 +143,6 @@ GRAMMARS: Mapping[str, tuple[Term, ...]] = {
     "AngleLaw": ANGLE,
     "LinkLaw": LINK,
     "TipLaw": TIP,
+    "BaseLaw": BASE,
 }
 """Terms by the kind of law."""

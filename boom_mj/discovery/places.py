@@ -17,6 +17,8 @@ FAR = 1e3  # sizes, to either side, within which a fit may look for a coefficien
 PERIODS = np.arange(0.5, 15.1, 0.25)  # of a ripple within its variable's range: one more or less is another minimum
 THRESHOLDS = 12  # within a variable's range
 TIMES = (0.1, 0.3, 1.0, 3.0, 10.0)  # s, of memories
+HARDNESSES = (3e3, 3e4, 3e5)  # 1/rad^2: a secant twice as stiff at 18, 6 and 2 mrad
+GRIDS = {"time": TIMES, "hardness": HARDNESSES}
 NAMES = {name: getattr(np, name) for name in ("sin", "cos", "pi", "maximum", "minimum", "ones_like", "abs")} | {
     "direction": laws.direction,
     "fading": laws.fading,
@@ -80,12 +82,12 @@ class Place:
 
     def grid(self, shape: Shape) -> Array:
         """Values at which a shape is looked through."""
+        if shape.grid in GRIDS:
+            return np.array(GRIDS[shape.grid])
         values = self.variables[self._shaped]
         if shape.grid == "period":
             return float(np.ptp(values)) / PERIODS
-        if shape.grid == "threshold":
-            return np.linspace(values.min(), values.max(), self.thresholds + 2)[1:-1]
-        return np.array(TIMES)
+        return np.linspace(values.min(), values.max(), self.thresholds + 2)[1:-1]
 
     @property
     def _shaped(self) -> str:

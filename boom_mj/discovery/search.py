@@ -162,10 +162,12 @@ def _beam(
 
 
 def _apart(column: Column, chosen: Sequence[Column]) -> bool:
-    """Whether a term may stand beside others: each once, and each parameter of shape."""
-    shapes = {c.term.shape.name for c in chosen if c.term.shape}
-    named = column.term.shape.name if column.term.shape else ""
-    return column.term.name not in {c.term.name for c in chosen} and named not in shapes
+    """Whether a term may stand beside others: it and each of its parameters once."""
+    return not _names(column.term) & {name for c in chosen for name in _names(c.term)}
+
+
+def _names(term: Term) -> set[str]:
+    return {term.name, *(part.coefficient for part in term.parts), *((term.shape.name,) if term.shape else ())}
 
 
 def _sum(place: Place, chosen: Sequence[Column], share: float, weights: Array) -> Sum:

@@ -8,6 +8,7 @@ import numpy as np
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.discovery.places import Place
 from boom_mj.effects import Effect, Site, laws
+from boom_mj.effects.spec_edits import BASE_AXES
 from boom_mj.recording import Signal
 
 Array = np.ndarray
@@ -22,6 +23,9 @@ BEND = 0.02  # rad, slope that a link of the loaded boom gathers
 SHARE = 0.3  # of a link's stiffness at that slope
 STOPS = 4  # thresholds of a link's stop that are tried: each costs a simulation
 FIRST = 2  # terms of a link, a change of stiffness and of rest: they imitate all others to a large part
+GIVE = 1e-8  # rad/(N m), of what a boom stands on
+BASE = {f"{axis}_{name}": size for axis in BASE_AXES for name, size in (("tilt", 5e-3), ("give", GIVE))}
+STANDS = 4  # terms of the base, its tilts and what it gives, that are looked at before how hard it becomes
 TIP = {"drag": 20.0, "weight": 200.0, "inertia": 20.0}  # N s^2/m^2, N and kg
 
 
@@ -121,6 +125,11 @@ def _tip(base: type[Effect], site: Site, motions: Motions) -> Iterator[Place]:
     yield Place(base, site, "the tip", {}, 1.0, {}, sizes=TIP)
 
 
+def _base(base: type[Effect], site: Site, motions: Motions) -> Iterator[Place]:
+    if site.location["axes"] == "+".join(BASE_AXES):
+        yield Place(base, site, "the base", {}, 1.0, {}, sizes=BASE, first=STANDS)
+
+
 def _joint(base: type[Effect], site: Site, motions: Motions) -> Iterator[Place]:
     joint, model = str(site.location["joint"]), motions.model
     channels = model.system.channels  # type: ignore[attr-defined]
@@ -176,6 +185,7 @@ KINDS: Mapping[type[Effect], Describe] = {
     laws.AngleLaw: _angle,
     laws.LinkLaw: _link,
     laws.TipLaw: _tip,
+    laws.BaseLaw: _base,
     laws.JointLaw: _joint,
     laws.ChannelLaw: _channel,
     laws.ActuatorLaw: _actuator,

@@ -25,7 +25,7 @@ from boom_mj.effects.kinds import (
     Motion,
     OutputEffect,
 )
-from boom_mj.effects.spec_edits import add_tip_mass, bent_by, link_hinges
+from boom_mj.effects.spec_edits import BASE_AXES, add_tip_mass, bent_by, link_hinges, spring_base, tilt_base
 from boom_mj.machine import Machine, cylinder_lengths
 from boom_mj.recording import Signal
 
@@ -204,6 +204,28 @@ class TipLaw(Law, ModelEffect, ForceEffect):
     def force(self, motion: Motion) -> Mapping[str, Array]:
         down = np.tile([0.0, 0.0, -self.values.get("weight", 0.0)], (len(motion.time), 1))
         return {"tip": down} if self.values.get("weight") else {}
+
+
+class BaseLaw(Law, ModelEffect):
+    """How a boom stands: aslant, as `base_tilt` has it, and on springs at the origin that give more or less.
+
+    Its table holds any of `roll_tilt`, `pitch_tilt` (rad), `roll_give`, `pitch_give` (rad/(N m), not negative) and, of
+    what gives, `roll_hardness`, `pitch_hardness` (1/rad^2): angle (1 + hardness angle^2) = give moment.
+    """
+
+    at = ("axes",)
+    needs = frozenset({"boom"})
+    variables = {"moment": "N m", "angle": "rad"}
+    unit = "rad"
+
+    def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
+        values = self.values
+        if any(tilt := [values.get(f"{axis}_tilt", 0.0) for axis in BASE_AXES]):
+            tilt_base(spec, machine, *tilt)
+        for axis in BASE_AXES:
+            if (give := values.get(f"{axis}_give", 0.0)) > 0:
+                spring = spring_base(spec, machine, axis, 1 / give)
+                spring.stiffness[2] = values.get(f"{axis}_hardness", 0.0) / give
 
 
 class JointLaw(Law, ForceEffect):

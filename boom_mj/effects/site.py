@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 Location = Mapping[str, int | str]
 """A place by key, such as {"link": 3, "axis": "w"}."""
@@ -42,7 +43,7 @@ class Site:
         """The place by key, as answers and machine files say it."""
         return dict(self.key)
 
-    @property
+    @cached_property
     def keys(self) -> tuple[str, ...]:
         """Of the location."""
         return tuple(name for name, _ in self.key)

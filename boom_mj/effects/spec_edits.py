@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import mujoco
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from boom_mj.engine import mass_matrix
 from boom_mj.machine import Machine
@@ -18,6 +19,27 @@ LEAST_YIELD = 1e-12  # m or rad
 LIGHT = 1e-9  # kg, kg m^2
 FLAT = 1e-6  # least extent of a body over its largest, squared
 SEATS = ("payload", "tip", "attachment_site")  # sites where a payload is carried
+
+
+BASE_AXES = {"roll": [1.0, 0.0, 0.0], "pitch": [0.0, 1.0, 0.0]}
+
+
+def tilt_base(spec: mujoco.MjSpec, machine: Machine, roll: float, pitch: float) -> None:
+    """Gravity, and what stands on the ground, turned against a machine that is rolled, then pitched, rad."""
+    tilt = Rotation.from_euler("xy", [roll, pitch]).inv()
+    spec.option.gravity = tilt.apply([0.0, 0.0, -machine.gravity])
+    spec.site("world").quat = tilt.as_quat(scalar_first=True)
+
+
+def spring_base(spec: mujoco.MjSpec, machine: Machine, axis: str, stiffness: float) -> mujoco.MjsJoint:
+    """The hinge, at the origin, about which a machine on springs rolls or pitches; N m/rad."""
+    base = spec.body("base")
+    base.explicitinertial, base.ipos = True, [0.0, 0.0, 0.0]
+    base.mass, base.inertia = 1.0, [1.0, 1.0, 1.0]  # a moving body has some
+    spring = base.add_joint(name=f"base_{axis}", axis=BASE_AXES[axis])
+    spring.stiffness[0] = stiffness
+    spring.damping[0] = machine.damping.relaxation_time * stiffness
+    return spring
 
 
 def link_bodies(spec: mujoco.MjSpec, link: int) -> list[mujoco.MjsBody]:

@@ -101,6 +101,11 @@ class Dataset:
         return np.concatenate([channel.time for channel in self.channels])
 
     @cached_property
+    def moments_of(self) -> list[tuple[Array, Array]]:
+        """Of every recording the moments of its entries, (m,), s, and the number of each entry's, (n,)."""
+        return [np.unique(self.time[self.rows(k)], return_inverse=True) for k in range(len(self.recordings))]
+
+    @cached_property
     def measured(self) -> Array:
         """(N,); NaN where hidden."""
         return np.concatenate([channel.measured for channel in self.channels])

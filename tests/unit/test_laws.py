@@ -201,3 +201,42 @@ def test_what_fades_begins_whole_at_each_stop_and_knows_its_direction():
     rest = (time >= 2) & (time < 4 - 0.005)
     np.testing.assert_allclose(said[rest], np.exp(-(time[rest] - 1.99) / 0.5))
     np.testing.assert_allclose(said[time > 5 + 0.005], -np.exp(-(time[time > 5 + 0.005] - 4.99) / 0.5))
+
+
+class Ground(laws.BaseLaw):
+    """A boom aslant on ground that hardens."""
+
+    id = "test_ground"
+    table = {
+        "roll_tilt": Parameter("rad", 0.0, -0.1, 0.1, 5e-3),
+        "roll_give": Parameter("rad/(N m)", 0.0, 0.0, 1e-6, 3e-9),
+        "pitch_give": Parameter("rad/(N m)", 0.0, 0.0, 1e-6, 3e-9),
+        "pitch_hardness": Parameter("1/rad^2", 0.0, 0.0, 1e8, 3e5),
+    }
+
+
+AXES = Site((("axes", "roll+pitch"),))
+
+
+def test_a_base_that_gives_is_the_librarys_where_it_does_not_harden() -> None:
+    machine = load_machine("boom36")
+    law = Ground(AXES, roll_tilt=0.01, roll_give=1 / 4e8, pitch_give=1 / 2e8)
+    tilt = make_effect("base_tilt", {"roll": 0.01})
+    springs = make_effect("base_compliance", {"axes": "roll+pitch", "roll": 4e8, "pitch": 2e8})
+    saved = []
+    for effects in ((law,), (tilt, springs)):
+        model = make_plant(machine, 2, effects).model
+        saved.append(np.zeros(mujoco.mj_sizeModel(model), np.uint8))
+        mujoco.mj_saveModel(model, None, saved[-1])
+    assert np.array_equal(*saved)
+
+
+def test_a_base_that_hardens_turns_as_its_formula_says() -> None:
+    give, hardness = 5e-9, 4e5
+    plant = make_plant(load_machine("boom36"), 2, (Ground(AXES, pitch_give=give, pitch_hardness=hardness),))
+    data = mujoco.MjData(plant.model)
+    joint = plant.model.joint("base_pitch")
+    angle = data.qpos[joint.qposadr[0]] = 3e-3
+    mujoco.mj_forward(plant.model, data)
+    moment = -data.qfrc_spring[joint.dofadr[0]]
+    assert angle * (1 + hardness * angle**2) == pytest.approx(give * moment)

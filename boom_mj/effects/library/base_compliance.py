@@ -4,6 +4,7 @@ import mujoco
 import numpy as np
 
 from boom_mj.effects import ModelEffect, Parameter, Site
+from boom_mj.effects.spec_edits import spring_base
 from boom_mj.machine import Machine
 
 
@@ -25,11 +26,6 @@ class BaseCompliance(ModelEffect):
         return tuple(str(site.location["axes"]).split("+"))
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
-        for name, axis in (("roll", [1, 0, 0]), ("pitch", [0, 1, 0])):
-            if np.isfinite(stiffness := self.values[name]):
-                base = spec.body("base")
-                base.explicitinertial, base.ipos = True, [0.0, 0.0, 0.0]
-                base.mass, base.inertia = 1.0, [1.0, 1.0, 1.0]  # a moving body has some
-                spring = base.add_joint(name=f"base_{name}", axis=axis)
-                spring.stiffness[0] = stiffness
-                spring.damping[0] = machine.damping.relaxation_time * stiffness
+        for axis, stiffness in self.values.items():
+            if np.isfinite(stiffness):
+                spring_base(spec, machine, axis, stiffness)

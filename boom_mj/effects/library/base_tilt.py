@@ -1,9 +1,9 @@
 """A machine that stands aslant."""
 
 import mujoco
-from scipy.spatial.transform import Rotation
 
 from boom_mj.effects import ModelEffect, Parameter
+from boom_mj.effects.spec_edits import tilt_base
 from boom_mj.machine import Machine
 
 
@@ -20,8 +20,5 @@ class BaseTilt(ModelEffect):
     separating_experiment = "slew_tour"
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
-        if not any(self.values.values()):
-            return
-        tilt = Rotation.from_euler("xy", [self.values["roll"], self.values["pitch"]]).inv()
-        spec.option.gravity = tilt.apply([0.0, 0.0, -machine.gravity])
-        spec.site("world").quat = tilt.as_quat(scalar_first=True)
+        if any(self.values.values()):
+            tilt_base(spec, machine, **self.values)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -26,8 +27,13 @@ def individual() -> Iterator[Nuisance]:
         yield replace(one, deviation=one.deviation * AS_BUILT.get(one.hypothesis[0].id, 1.0))
 
 
-def nuisances() -> Iterator[Nuisance]:
+@cache
+def nuisances() -> tuple[Nuisance, ...]:
     """Zero offsets first, joint 1 first."""
+    return tuple(_nuisances())
+
+
+def _nuisances() -> Iterator[Nuisance]:
     for joint in JOINTS:
         offset = make_effect(OFFSET, {"joint": joint, "offset": OFFSET_STEP})
         yield Nuisance((offset,), ZERO_OFFSET / OFFSET_STEP)

@@ -108,7 +108,7 @@ class BoomSystem:
         return BOOM_SITES
 
     def nuisances(self) -> tuple[Nuisance, ...]:
-        return tuple(nuisances())
+        return nuisances()
 
     def individual(self) -> tuple[Nuisance, ...]:
         """Nuisances as wide as booms are built apart."""
@@ -147,9 +147,9 @@ class BoomSystem:
         column, joint = np.zeros(len(nuisances)), int(effect.location["joint"]) - 1
         deviation = self.nuisances()[joint].deviation
         for index, log in enumerate(data.recordings):
-            joints, rows = log[DRIVE], data.recording_of == index
+            joints, rows, (moments, number) = log[DRIVE], data.rows(index), data.moments_of[index]
             error = effect.error(joints.values[:, joint])
-            at = np.interp(data.time[rows] + joints.time[0], joints.time, error)
+            at = np.interp(moments + joints.time[0], joints.time, error)[number]
             column[rows] = nuisances[rows, joint] / deviation * at / OFFSET_STEP
         return column
 
