@@ -49,6 +49,18 @@ class Hard(laws.LinkLaw):
     }
 
 
+class Ground(laws.BaseLaw):
+    """A boom aslant on ground that hardens."""
+
+    id = "test_ground"
+    table = {
+        "roll_tilt": Parameter("rad", 0.0, -0.1, 0.1, 5e-3),
+        "roll_give": Parameter("rad/(N m)", 0.0, 0.0, 1e-6, 3e-9),
+        "pitch_give": Parameter("rad/(N m)", 0.0, 0.0, 1e-6, 3e-9),
+        "pitch_hardness": Parameter("1/rad^2", 0.0, 0.0, 1e8, 3e5),
+    }
+
+
 def test_drag_takes_the_power_of_its_formula() -> None:
     """The tip moves at v, so the fluid takes c v^3: an independent way to what MuJoCo does with an ellipsoid."""
     drag = 80.0
@@ -123,7 +135,7 @@ def test_link_law_bends_as_its_formula() -> None:
         assert torque[1] / torque[0] == pytest.approx(expected, rel=1e-9)
 
 
-@pytest.mark.parametrize("kind", [Drag, Hard, Load])
+@pytest.mark.parametrize("kind", [Drag, Ground, Hard, Load])
 def test_laws_of_effects_hold(kind: type) -> None:
     check_effect(kind, machine=load_machine("boom36"))
 
@@ -201,18 +213,6 @@ def test_what_fades_begins_whole_at_each_stop_and_knows_its_direction():
     rest = (time >= 2) & (time < 4 - 0.005)
     np.testing.assert_allclose(said[rest], np.exp(-(time[rest] - 1.99) / 0.5))
     np.testing.assert_allclose(said[time > 5 + 0.005], -np.exp(-(time[time > 5 + 0.005] - 4.99) / 0.5))
-
-
-class Ground(laws.BaseLaw):
-    """A boom aslant on ground that hardens."""
-
-    id = "test_ground"
-    table = {
-        "roll_tilt": Parameter("rad", 0.0, -0.1, 0.1, 5e-3),
-        "roll_give": Parameter("rad/(N m)", 0.0, 0.0, 1e-6, 3e-9),
-        "pitch_give": Parameter("rad/(N m)", 0.0, 0.0, 1e-6, 3e-9),
-        "pitch_hardness": Parameter("1/rad^2", 0.0, 0.0, 1e8, 3e5),
-    }
 
 
 AXES = Site((("axes", "roll+pitch"),))
