@@ -170,8 +170,8 @@ def _diagnose(predictor: Predictor, without: Sequence[str], clock: Clock, most: 
     found = concluded(scored)
     keep(found)
     other = None if found.solved else _extended(found, criteria.explained_gap, without, clock, most, keep)
-    if worth and not other and not complete(gaps, scored[0]):
-        found = concluded(combined(scored, gaps, without, clock, most))
+    if worth and screening and not other and not complete(gaps, scored[0]):
+        found = concluded(combined(scored, gaps, screening, clock, most))
         other = None if found.solved else _extended(found, criteria.near_noise_gap, without, clock, most, keep)
     return other if other and other.solved else found
 

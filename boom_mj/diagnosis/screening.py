@@ -76,7 +76,7 @@ class Screening:
         lines_hz: Sequence[float],
         given: tuple[Effect, ...] = (),
     ):
-        self.model, self.given = model, given
+        self.model, self.kinds, self.given = model, kinds, given
         free = [(kind, site) for kind, site in kinds if apart(kind, site, given)]
         self.rows = [(kind, site, group) for kind, site in free for group in kind.screening(site, lines_hz) if group]
         points = [kind(site, **values) for kind, site, group in self.rows for values in group]
@@ -111,15 +111,13 @@ class Screening:
 
     def rank(self, residual: Array) -> list[Screened]:
         """Candidates by the share of a whitened residual that they may explain, best first, each at its best point."""
-        budget = self.model.budget
-        slopes, curvature, _, whole = self.normal_equations(residual)
+        budget, equations = self.model.budget, self.normal_equations(residual)
         found: dict[tuple, list[Screened]] = {}
         for (kind, site, group), part in zip(self.rows, self.stretches):
-            weights = np.linalg.solve(curvature(part, part) + np.eye(len(group)) / budget.weight_prior**2, slopes[part])
+            share, weights = self._explained(equations, part)
             values = kind.combine(site, group, weights)
             effect = kind(site, **values)
-            share = float(slopes[part] @ weights / whole) if _acts(effect, values) else 0.0
-            share = max(share, self._of_latent(effect, residual))
+            share = max(share if _acts(effect, values) else 0.0, self._of_latent(effect, residual))
             candidate = Candidate((effect,))
             found.setdefault(candidate.places, []).append(Screened(candidate, share))
         least = budget.alike_share * max((s.share for alike in found.values() for s in alike), default=0.0)
@@ -133,6 +131,24 @@ class Screening:
             ranked.append(replace(best, others=tuple(starts[1:])))
         return sorted(ranked, key=lambda s: -s.share)
 
+    def beside(self, effects: Hypothesis, residual: Array) -> list[Kind]:
+        """Candidates worth screening about the machine that effects make: those that promise most by today's columns.
+
+        Beside effects whose size is free a candidate's promise hardly depends on the machine that its column is of.
+
+        Args:
+            residual: of that machine, whitened, (N,).
+        """
+        own = [self.columns[:, part] for part in self._parts_of(effects)]
+        equations = self._equations(residual, np.column_stack([self.follow, *own]))
+        promise: dict[tuple, float] = {}
+        for (kind, site, _), part in zip(self.rows, self.stretches):
+            share, _ = self._explained(equations, part)
+            promise[kind.id, site.key] = max(share, promise.get((kind.id, site.key), 0.0))
+        able = [(kind, site) for kind, site in self.kinds if apart(kind, site, effects)]
+        able.sort(key=lambda one: -promise.get((one[0].id, one[1].key), np.inf))  # first what had no line to follow
+        return able[: self.model.budget.beside]
+
     def mimicked(self, effects: Hypothesis, residual: Array, enough: float) -> float:
         """How many kinds of other effects these would explain, had one of them caused a gap as large as a residual's.
 
@@ -145,8 +161,7 @@ class Screening:
         """
         equations = self.normal_equations(residual)
         excess = max(equations.whole / len(self.columns) - 1, 0.0)
-        causes = {effect.cause for effect in effects}
-        own = [part for (kind, site, _), part in zip(self.rows, self.stretches) if (kind.id, site.key) in causes]
+        own = self._parts_of(effects)
         if not own:
             return 0.0
         mine = np.concatenate([np.arange(part.start, part.stop) for part in own])
@@ -163,27 +178,41 @@ class Screening:
 
     def normal_equations(self, residual: Array) -> "NormalEquations":
         """Of a whitened residual (N,), in the inner product of what follows: nuisances below their limits, effects."""
-        if self._known and self._known[0] is residual:
-            return self._known[1]
+        if not (self._known and self._known[0] is residual):
+            self._known = residual, self._equations(residual, self.follow)
+        return self._known[1]
+
+    def _equations(self, residual: Array, follow: Array) -> "NormalEquations":
+        """Of a whitened residual (N,), where columns follow (training, k), the first of them of nuisances."""
         posterior = self.model.posterior
         left, estimate = posterior.left(residual)
         count, free = len(estimate), posterior.free(estimate)
-        prior = np.r_[np.ones(count), np.full(self.follow.shape[1] - count, OPTIONS.prior**-2)]
-        follow, prior = (part[..., np.r_[free, np.ones(len(prior) - count, bool)]] for part in (self.follow, prior))
+        prior = np.r_[np.ones(count), np.full(follow.shape[1] - count, OPTIONS.prior**-2)]
+        follow, prior = (part[..., np.r_[free, np.ones(len(prior) - count, bool)]] for part in (follow, prior))
         across = self._onto(follow)  # (k, c)
         following = np.linalg.solve(np.diag(prior) + follow.T @ follow, across)
 
         def curvature(rows: Part, columns: Part) -> Array:
             return self.columns[:, rows].T @ self.columns[:, columns] - across[:, rows].T @ following[:, columns]
 
-        found = NormalEquations(
+        return NormalEquations(
             self._onto(left[:, None])[0] - (left @ follow) @ following,
             curvature,
             np.einsum("nc,nc->c", self.columns, self.columns) - np.einsum("kc,kc->c", across, following),
             float(left @ left),
         )
-        self._known = residual, found
-        return found
+
+    def _explained(self, equations: "NormalEquations", part: slice) -> tuple[float, Array]:
+        """The share of a misfit that a group of columns explains, and their weights."""
+        slopes, size = equations.slopes[part], part.stop - part.start
+        prior = np.eye(size) / self.model.budget.weight_prior**2
+        weights = np.linalg.solve(equations.curvature(part, part) + prior, slopes)
+        return float(slopes @ weights / equations.whole), weights
+
+    def _parts_of(self, effects: Hypothesis) -> list[slice]:
+        """Where columns of effects are."""
+        causes = {effect.cause for effect in effects}
+        return [part for (kind, site, _), part in zip(self.rows, self.stretches) if (kind.id, site.key) in causes]
 
     def _onto(self, vectors: Array) -> Array:
         """Products of vectors (training, k) with all columns, (k, c); in parts, whose copies are small."""

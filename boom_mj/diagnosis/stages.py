@@ -5,7 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from boom_mj.diagnosis.candidate import Candidate, apart, everywhere
+from boom_mj.diagnosis.candidate import Candidate, apart
 from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.decision import Gaps, choose, complete, nested, solved, useful
 from boom_mj.diagnosis.fitting import fit, grid_starts, refine_jointly
@@ -29,19 +29,20 @@ def refined(scored: list[Scored], as_built: Gaps, clock: Clock) -> list[Scored]:
     return _simplified(scored, as_built, clock) if scored and solved(as_built, scored[0]) else scored
 
 
-def combined(scored: list[Scored], as_built: Gaps, without: Sequence[str], clock: Clock, most: int) -> list[Scored]:
+def combined(scored: list[Scored], as_built: Gaps, screening: Screening, clock: Clock, most: int) -> list[Scored]:
     """With combinations, where single causes do not decide, or one decides that may hide another; simplified.
 
     Args:
+        screening: of the library about the machine as built.
         most: causes of a combination.
     """
     for size in range(2, most + 1):
         if not scored or clock.over(f"{size} causes together"):
             return scored
         if not solved(as_built, scored[0]):
-            scored = _combine(scored, size, as_built, without, clock)
+            scored = _combine(scored, size, as_built, screening, clock)
         elif len(scored[0].fit.effects) == size - 1 and not complete(as_built, scored[0]):
-            scored = _revealed(scored, without, clock)
+            scored = _revealed(scored, screening, clock)
     return _simplified(scored, as_built, clock)
 
 
@@ -108,7 +109,7 @@ def _best_of_each(found: Iterable[Scored]) -> list[Scored]:
     return list(best.values())
 
 
-def _combine(scored: list[Scored], size: int, as_built: Gaps, without: Sequence[str], clock: Clock) -> list[Scored]:
+def _combine(scored: list[Scored], size: int, as_built: Gaps, screening: Screening, clock: Clock) -> list[Scored]:
     """Forward, with a swap: partners for the leader, others for its best partner, then for the next leader."""
     model = scored[0].model
     leaders = [j for j in scored if len(j.fit.effects) == size - 1 and useful(j, as_built)]
@@ -117,30 +118,30 @@ def _combine(scored: list[Scored], size: int, as_built: Gaps, without: Sequence[
     saving = model.facts.oscillatory  # where all is soon tried a tie is worth the look
     while trunks and not (saving and solved(as_built, scored[0])):
         about, trunk = trunks.pop(0)
-        scored = _paired(scored, about, trunk, _partners(about, trunk, without, clock), before, clock)
+        scored = _paired(scored, about, trunk, _partners(about, trunk, screening, clock), before, clock)
         if first and len(scored[0].fit.effects) == size:
             trunks.insert(0, (scored[0].model, scored[0].fit.effects[1:]))
         first = False
     return scored
 
 
-def _revealed(scored: list[Scored], without: Sequence[str], clock: Clock) -> list[Scored]:
+def _revealed(scored: list[Scored], screening: Screening, clock: Clock) -> list[Scored]:
     """With pairs of a leader that suffices, where screening promises much of what it leaves."""
     leader = scored[0]
     model, trunk, square = leader.model, leader.fit.effects, leader.train**2
-    partners = _partners(model, trunk, without, clock)
+    partners = _partners(model, trunk, screening, clock)
     promise = max((partner.share for partner in partners), default=0.0) * square
     if promise < model.budget.second_promise * (square - 1):
         return scored
     return _paired(scored, model, trunk, partners, leader.gaps, clock)
 
 
-def _partners(model: Linearisation, trunk: tuple[Effect, ...], without: Sequence[str], clock: Clock) -> list[Screened]:
+def _partners(model: Linearisation, trunk: tuple[Effect, ...], screening: Screening, clock: Clock) -> list[Screened]:
     """What screening suggests about the machine that effects make."""
     clock.tell("screening beside " + Candidate(trunk).label)
     raw = model.residual(*model.predict([trunk]))
     lines = spectral_lines(model, model.clean(raw))
-    return Screening(model, everywhere(model.system, without), lines, trunk).rank(raw)[: model.budget.partners]
+    return Screening(model, screening.beside(trunk, raw), lines, trunk).rank(raw)[: model.budget.partners]
 
 
 def _paired(

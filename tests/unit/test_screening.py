@@ -1,5 +1,7 @@
 """Screening: where fits begin."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from boom_mj.diagnosis.linearisation import Linearisation
@@ -38,3 +40,17 @@ def test_lines_stand_out_of_noise(model: Linearisation) -> None:
     assert spectral_lines(model, noise) == []
     (line,) = spectral_lines(model, noise + 5 * np.sin(2 * np.pi * 1.5 * data.time))
     assert abs(line - 1.5) < 0.1
+
+
+def test_beside_a_cause_whose_size_is_free_counts_what_it_cannot_explain(model: Linearisation) -> None:
+    """An end hose does almost what a payload does: beside one it has little left to explain."""
+    payload, hose = (make_effect(name, {"mass": 20.0}) for name in ("tip_payload", "end_hose"))
+    kinds = [(type(one), one.site) for one in (payload, hose, PULSATION)]
+    screening = Screening(model, kinds, [0.6])
+    parts = [screening.columns[:, part][:, 0] for part in screening.stretches]
+    residual = np.zeros(len(model.noise.weight))
+    residual[model.data.train] = 100 * parts[0] + 3 * parts[2]
+    assert screening.rank(residual)[-1].candidate.effects[0].id == "pump_pulsation"
+    assert [kind.id for kind, _ in screening.beside((payload,), residual)] == ["pump_pulsation", "end_hose"]
+    screening.model = replace(model, budget=replace(model.budget, beside=1))
+    assert [kind.id for kind, _ in screening.beside((payload,), residual)] == ["pump_pulsation"]
