@@ -64,7 +64,9 @@ class SearchBudget:
     kinds_beyond: int = number(3, "candidates", "fitted besides, each the best of a kind that is not among them")
     kind_share: float = number(0.3, "share", "of the best promise, that such a one must have")
     beside: int = number(
-        40, "candidates", "screened about a leader: the machine as built puts the three best there no later than place 22"
+        40,
+        "candidates",
+        "screened about a leader: the machine as built puts the best three no later than place 22",
     )
     partners: int = number(3, "candidates", "screened beside a leader, that are fitted together with it")
     singles_beside: int = number(2, "candidates", "fitted alone before, that are tried together with a leader")

@@ -187,7 +187,8 @@ def _library(
 ) -> list[Scored]:
     """The library's effects alone, the best first, of those that promise at least a share of what a law closes.
 
-    The best, and the best of those that are not withheld, are refined where they leave no more than the law.
+    The best, and the best of those that are not withheld, are refined where they come close to the law: fitted roughly,
+    a law of more coefficients takes more of the rough model's own error.
     """
     if clock.over("the library"):
         return []
@@ -198,7 +199,7 @@ def _library(
     found = singles(model, promising, gaps, clock) if promising else []
     known = [one for one in found if one.fit.effects[0].id not in without]
     best = [one for one in found if one in (found[0], *known[:1])]
-    rivals = [one for one in best if not (law and _better(model, law.residual, one.fit.residual))]
+    rivals = [one for one in best if not law or one.held_out < model.budget.close * law.held_out]
     return (refined(rivals, gaps, clock) if rivals else []) + [one for one in found if one not in rivals]
 
 
