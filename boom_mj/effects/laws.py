@@ -221,11 +221,11 @@ class BaseLaw(Law, ModelEffect):
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         values = self.values
         if any(tilt := [values.get(f"{axis}_tilt", 0.0) for axis in BASE_AXES]):
-            tilt_base(spec, machine, *tilt)
+            tilt_base(spec, *tilt)
         for axis in BASE_AXES:
             if (give := values.get(f"{axis}_give", 0.0)) > 0:
                 spring = spring_base(spec, machine, axis, 1 / give)
-                spring.stiffness[2] = values.get(f"{axis}_hardness", 0.0) / give
+                spring.stiffness[2] = values.get(f"{axis}_hardness", 0.0) * spring.stiffness[0]
 
 
 class JointLaw(Law, ForceEffect):

@@ -24,21 +24,24 @@ SEATS = ("payload", "tip", "attachment_site")  # sites where a payload is carrie
 BASE_AXES = {"roll": [1.0, 0.0, 0.0], "pitch": [0.0, 1.0, 0.0]}
 
 
-def tilt_base(spec: mujoco.MjSpec, machine: Machine, roll: float, pitch: float) -> None:
-    """Gravity, and what stands on the ground, turned against a machine that is rolled, then pitched, rad."""
-    tilt = Rotation.from_euler("xy", [roll, pitch]).inv()
-    spec.option.gravity = tilt.apply([0.0, 0.0, -machine.gravity])
-    spec.site("world").quat = tilt.as_quat(scalar_first=True)
+def tilt_base(spec: mujoco.MjSpec, roll: float, pitch: float) -> None:
+    """Gravity, and what stands on the ground, turned (further) against a machine that rolls, then pitches, rad."""
+    ground, tilt = spec.site("world"), Rotation.from_euler("xy", [roll, pitch]).inv()
+    spec.option.gravity = tilt.apply(spec.option.gravity)
+    ground.quat = (tilt * Rotation.from_quat(ground.quat, scalar_first=True)).as_quat(scalar_first=True)
 
 
 def spring_base(spec: mujoco.MjSpec, machine: Machine, axis: str, stiffness: float) -> mujoco.MjsJoint:
-    """The hinge, at the origin, about which a machine on springs rolls or pitches; N m/rad."""
-    base = spec.body("base")
-    base.explicitinertial, base.ipos = True, [0.0, 0.0, 0.0]
-    base.mass, base.inertia = 1.0, [1.0, 1.0, 1.0]  # a moving body has some
-    spring = base.add_joint(name=f"base_{axis}", axis=BASE_AXES[axis])
-    spring.stiffness[0] = stiffness
-    spring.damping[0] = machine.damping.relaxation_time * stiffness
+    """The hinge, at the origin, about which a machine rolls or pitches on springs, N m/rad, one after the other."""
+    base, spring = spec.body("base"), spec.joint(f"base_{axis}")
+    if spring is None:
+        base.explicitinertial, base.ipos = True, [0.0, 0.0, 0.0]
+        base.mass, base.inertia = 1.0, [1.0, 1.0, 1.0]  # a moving body has some
+        spring = base.add_joint(name=f"base_{axis}", axis=BASE_AXES[axis])
+        spring.stiffness[0] = stiffness
+    else:
+        spring.stiffness = spring.stiffness * stiffness / (stiffness + spring.stiffness[0])
+    spring.damping[0] = machine.damping.relaxation_time * spring.stiffness[0]
     return spring
 
 

@@ -240,3 +240,14 @@ def test_a_base_that_hardens_turns_as_its_formula_says() -> None:
     mujoco.mj_forward(plant.model, data)
     moment = -data.qfrc_spring[joint.dofadr[0]]
     assert angle * (1 + hardness * angle**2) == pytest.approx(give * moment)
+
+
+def test_tilts_and_springs_of_a_base_add_up() -> None:
+    """A law beside the library's effects: order is no matter, and none undoes another."""
+    law = Ground(AXES, roll_tilt=0.01, pitch_give=1 / 2e8, pitch_hardness=4e5)
+    others = make_effect("base_tilt", {"roll": 0.02}), make_effect("base_compliance", {"axes": "pitch", "pitch": 6e8})
+    for effects in ((law, *others), (*others, law)):
+        model = make_plant(load_machine("boom36"), 2, effects).model
+        assert model.joint("base_pitch").stiffness[0] == pytest.approx(1.5e8)
+        assert model.joint("base_pitch").stiffnesspoly[-1] == pytest.approx(4e5 * 1.5e8)
+        assert np.arctan2(-model.opt.gravity[1], -model.opt.gravity[2]) == pytest.approx(0.03)

@@ -21,4 +21,4 @@ class BaseTilt(ModelEffect):
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         if any(self.values.values()):
-            tilt_base(spec, machine, **self.values)
+            tilt_base(spec, **self.values)
