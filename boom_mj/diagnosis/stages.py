@@ -72,13 +72,13 @@ def _fit_by_promise(
     enough = 1 - budget.close**2 * (1 - most) if model.facts.oscillatory else 0.0
     likely = [one for k, (one, share) in enumerate(promised) if share >= enough or k < budget.always]
     others = [one for one, _ in promised if one not in likely]
-    found = _fit_all(model, likely, clock)
+    found = fit_all(model, likely, clock)
     if others and not (found and found[0].train < near(model, before)):
-        found = _best_of_each([*found, *_fit_all(model, others, clock)])
+        found = best_of_each([*found, *fit_all(model, others, clock)])
     return found
 
 
-def _fit_all(model: Linearisation, candidates: Sequence[Candidate], clock: Clock) -> list[Scored]:
+def fit_all(model: Linearisation, candidates: Sequence[Candidate], clock: Clock) -> list[Scored]:
     coarse, oscillatory = model.coarse, model.facts.oscillatory
     slow, best = coarse.blurred, np.inf
 
@@ -98,10 +98,10 @@ def _fit_all(model: Linearisation, candidates: Sequence[Candidate], clock: Clock
                 best = one.held_out
                 clock.tell(f"{count} of {len(candidates)} fitted, best so far {one.label}: gap {best:.2f}")
             found += [one] if one else []
-    return _best_of_each(found)
+    return best_of_each(found)
 
 
-def _best_of_each(found: Iterable[Scored]) -> list[Scored]:
+def best_of_each(found: Iterable[Scored]) -> list[Scored]:
     """Of those with the same causes at the same sites the best, best first."""
     best: dict[tuple, Scored] = {}
     for one in sorted(found, key=lambda j: j.held_out):
@@ -176,13 +176,13 @@ def _simplified(scored: list[Scored], as_built: Gaps, clock: Clock) -> list[Scor
         leader = choose(scored, as_built) or leader
     while leader:
         known = {j.fit.candidate.places: j.held_out for j in reversed(scored)}
-        parts = _fit_all(leader.model, list(Candidate(leader.fit.effects).simpler()), clock)
+        parts = fit_all(leader.model, list(Candidate(leader.fit.effects).simpler()), clock)
         for part in sorted(parts, key=lambda j: len(j.fit.scaled)):
             before = known.get(part.fit.candidate.places, np.inf)
             if part.held_out < min(budget.close * leader.held_out, budget.helped * before):
                 part = _refine(part, as_built, clock)
             if part.held_out < budget.helped * before:
-                scored = _best_of_each([*scored, part])
+                scored = best_of_each([*scored, part])
                 if choose(scored, as_built) is part:
                     break
         chosen = choose(scored, as_built)

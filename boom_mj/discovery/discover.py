@@ -7,14 +7,14 @@ from functools import cached_property
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from boom_mj.diagnosis.candidate import everywhere
+from boom_mj.diagnosis.candidate import Candidate, everywhere
 from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.decision import sure
 from boom_mj.diagnosis.diagnose import held_out_closure
 from boom_mj.diagnosis.linearisation import Linearisation, linearise
 from boom_mj.diagnosis.scoring import Scored
 from boom_mj.diagnosis.screening import Screening, spectral_lines
-from boom_mj.diagnosis.stages import refined, singles
+from boom_mj.diagnosis.stages import best_of_each, fit_all, refined, singles
 from boom_mj.discovery.forces import ForceInTime, forces_in_time
 from boom_mj.discovery.search import FoundLaw, fitted, possible, sums
 from boom_mj.discovery.where import places_of
@@ -110,9 +110,9 @@ def _discover(predictor: Predictor, without: Sequence[str], clock: Clock) -> Dis
     ranked = sums(model, raw, places) if places else []
     laws = sorted(fitted(model, ranked, gaps[0], clock), key=lambda found: found.held_out)
     chosen = _chosen(model, as_built, laws) if laws else None
-    best = replace(chosen, scored=refined([chosen.scored], gaps, clock)[0]) if chosen else None
+    best = _refined(model, as_built, laws, gaps, clock) if laws else None
     clock.tell("the library")
-    library = _library(model, raw, as_built, chosen, without, clock)
+    library = _library(model, raw, as_built, chosen, best.scored.model if best else model, without, clock)
     left = [one for one in library if one.fit.effects[0].id not in without]
     same = next((one for one in library if best and _alike(model, one.fit.residual, best.residual)), None)
     named = left[0] if left else None
@@ -171,6 +171,23 @@ def _chosen(model: Linearisation, as_built: Array, laws: Sequence[FoundLaw]) -> 
     return min(filter(enough, laws), key=lambda law: (len(law.terms), law.size, _left(model, law.residual)))
 
 
+def _refined(
+    model: Linearisation, as_built: Array, laws: Sequence[FoundLaw], gaps: tuple[float, float], clock: Clock
+) -> FoundLaw:
+    """The chosen law, refined, or the one that leaves least, if that is chosen about the machine which the first makes.
+
+    Fitted roughly, a law that is short of a term may leave no more than the rough model's own error hides.
+    """
+    chosen = _chosen(model, as_built, laws)
+    best = replace(chosen, scored=refined([chosen.scored], gaps, clock)[0])
+    least = min((law for law in laws if law.certain or law is chosen), key=lambda law: _left(model, law.residual))
+    for again in fit_all(best.scored.model, [Candidate(least.scored.fit.effects)] * (least is not chosen), clock):
+        there = replace(least, scored=again)
+        if _chosen(model, as_built, [best, there]) is there:
+            best = replace(there, scored=refined([again], gaps, clock)[0])
+    return best
+
+
 def _left(model: Linearisation, residual: Array) -> float:
     """Mean square of a whitened residual in all recordings: a few numbers fit training no better than the rest."""
     return float(np.mean(residual[model.data.train | model.data.held_out] ** 2))
@@ -183,12 +200,22 @@ def _loss(model: Linearisation, better: Array, worse: Array) -> tuple[float, flo
 
 
 def _library(
-    model: Linearisation, raw: Array, as_built: Array, law: FoundLaw | None, without: Sequence[str], clock: Clock
+    model: Linearisation,
+    raw: Array,
+    as_built: Array,
+    law: FoundLaw | None,
+    about: Linearisation,
+    without: Sequence[str],
+    clock: Clock,
 ) -> list[Scored]:
     """The library's effects alone, the best first, of those that promise at least a share of what a law closes.
 
-    The best, and the best of those that are not withheld, are refined where they come close to the law: fitted roughly,
-    a law of more coefficients takes more of the rough model's own error.
+    The best, and the best of those that are not withheld, are fitted again about the machine that the law makes where
+    they come close to it: what does the same leaves the same there, model error and nuisances included.
+
+    Args:
+        law: fitted roughly, as the effects are.
+        about: the machine that the law makes.
     """
     if clock.over("the library"):
         return []
@@ -199,8 +226,8 @@ def _library(
     found = singles(model, promising, gaps, clock) if promising else []
     known = [one for one in found if one.fit.effects[0].id not in without]
     best = [one for one in found if one in (found[0], *known[:1])]
-    rivals = [one for one in best if not law or one.held_out < model.budget.close * law.held_out]
-    return (refined(rivals, gaps, clock) if rivals else []) + [one for one in found if one not in rivals]
+    rivals = [one.fit.effects for one in best if not law or one.held_out < model.budget.close * law.held_out]
+    return best_of_each([*found, *fit_all(about, list(map(Candidate, rivals)), clock)])
 
 
 def _alike(model: Linearisation, one: Array, other: Array) -> bool:

@@ -62,7 +62,7 @@ def test_what_promises_little_is_fitted_only_where_the_best_leaves_much(
         fitted.extend(one.label for one in candidates)
         return [scored(left, PAYLOAD) for _ in candidates]
 
-    monkeypatch.setattr(stages, "_fit_all", fit_all)
+    monkeypatch.setattr(stages, "fit_all", fit_all)
     promised = [
         (Candidate((parse_effect(text),)), share) for text, share in ((PAYLOAD, 0.9), (SOFT, 0.8), (CONCRETE, 0.1))
     ]
