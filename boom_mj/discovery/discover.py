@@ -174,17 +174,21 @@ def _chosen(model: Linearisation, as_built: Array, laws: Sequence[FoundLaw]) -> 
 def _refined(
     model: Linearisation, as_built: Array, laws: Sequence[FoundLaw], gaps: tuple[float, float], clock: Clock
 ) -> FoundLaw:
-    """The chosen law, refined, or the one that leaves least, if that is chosen about the machine which the first makes.
+    """The chosen law, refined, or the best of the others, if that is chosen about the machine which the first makes.
 
-    Fitted roughly, a law that is short of a term may leave no more than the rough model's own error hides.
+    Fitted roughly, a law that is short of a term may leave no more than the rough model's own error hides, and one of
+    many terms may owe what it leaves to that error.
     """
     chosen = _chosen(model, as_built, laws)
     best = replace(chosen, scored=refined([chosen.scored], gaps, clock)[0])
-    least = min((law for law in laws if law.certain or law is chosen), key=lambda law: _left(model, law.residual))
-    for again in fit_all(best.scored.model, [Candidate(least.scored.fit.effects)] * (least is not chosen), clock):
-        there = replace(least, scored=again)
-        if _chosen(model, as_built, [best, there]) is there:
-            best = replace(there, scored=refined([again], gaps, clock)[0])
+    others = [
+        law for law in laws if law is not chosen and law.certain and law.held_out < model.budget.close * chosen.held_out
+    ]
+    for other in sorted(others, key=lambda law: _left(model, law.residual))[:1]:
+        for again in fit_all(best.scored.model, [Candidate(other.scored.fit.effects)], clock):
+            there = replace(other, scored=again)
+            if _chosen(model, as_built, [best, there]) is there:
+                return replace(there, scored=refined([again], gaps, clock)[0])
     return best
 
 

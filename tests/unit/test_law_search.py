@@ -10,11 +10,14 @@ from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.criteria import Criteria, SearchBudget
 from boom_mj.discovery import search
 from boom_mj.discovery.places import Place
+from boom_mj.discovery.search import FoundLaw
 from boom_mj.effects import Site, laws
 from boom_mj.estimation.least_squares import OPTIONS
 
 SIZE = 1e6  # of a column's square
 SINGLE = 1e-7  # precision of what is stored
+
+DISCOVER = importlib.import_module("boom_mj.discovery.discover")
 
 
 def test_columns_that_are_alike_to_their_precision_promise_nothing_together(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -45,30 +48,68 @@ def test_columns_that_are_alike_to_their_precision_promise_nothing_together(monk
     assert max(one.share for one in own) < 0.01
 
 
-def test_an_effect_that_a_rough_fit_leaves_behind_a_law_is_refined_as_the_law_is(
+def fitted(name: str, left: float, white: np.ndarray) -> SimpleNamespace:
+    """An effect or a law that leaves so much."""
+    effect = SimpleNamespace(id=name)
+    fit = SimpleNamespace(effects=(effect,), candidate=SimpleNamespace(places=name), residual=left * white)
+    return SimpleNamespace(held_out=left, fit=fit)
+
+
+def machine(count: int) -> SimpleNamespace:
+    rows = np.arange(count) < count // 2
+    data = SimpleNamespace(train=rows, held_out=~rows, windows=np.arange(count) // 40)
+    return SimpleNamespace(data=data, system=None, criteria=Criteria(), budget=SearchBudget())
+
+
+def test_an_effect_that_a_rough_fit_leaves_behind_a_law_is_fitted_about_the_machine_of_the_law(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """A payload by its one mass, fitted roughly, left 1.46, weight and inertia apart 1.28: both were the same."""
-    discovery = importlib.import_module("boom_mj.discovery.discover")
-    effects = {name: SimpleNamespace(id=name) for name in ("tip_payload", "link_mass")}
     white = np.random.default_rng(0).standard_normal(4000)
-    scored = [
-        SimpleNamespace(held_out=left, fit=SimpleNamespace(effects=(effects[name],), residual=left * white))
-        for name, left in (("tip_payload", 1.46), ("link_mass", 7.0))
-    ]
-    asked = []
-    monkeypatch.setattr(
-        discovery, "Screening", lambda *given: SimpleNamespace(rank=lambda raw: [SimpleNamespace(share=1.0)])
-    )
-    monkeypatch.setattr(discovery, "everywhere", lambda system: [])
-    monkeypatch.setattr(discovery, "spectral_lines", lambda model, residual: [])
-    monkeypatch.setattr(discovery, "singles", lambda *given: scored)
-    monkeypatch.setattr(discovery, "refined", lambda rivals, *given: asked.extend(rivals) or list(rivals))
-    rows = np.arange(len(white)) < len(white) // 2
-    data = SimpleNamespace(train=rows, held_out=~rows, windows=np.arange(len(white)) // 40)
-    model = SimpleNamespace(data=data, system=None, criteria=Criteria(), budget=SearchBudget())
+    scored = [fitted("tip_payload", 1.46, white), fitted("link_mass", 7.0, white)]
+    asked, about = [], object()
+
+    def fit_all(model: object, candidates: list, clock: Clock) -> list:
+        asked.extend((model, one.effects[0].id) for one in candidates)
+        return [fitted(one.effects[0].id, 0.98, white) for one in candidates]
+
+    for name, found in (
+        ("Screening", lambda *given: SimpleNamespace(rank=lambda raw: [SimpleNamespace(share=1.0)])),
+        ("everywhere", lambda system: []),
+        ("spectral_lines", lambda model, residual: []),
+        ("singles", lambda *given: scored),
+        ("fit_all", fit_all),
+    ):
+        monkeypatch.setattr(DISCOVER, name, found)
     law = SimpleNamespace(held_out=1.28, residual=1.28 * white)
     for without in ((), ("tip_payload",)):
-        found = discovery._library(model, None, 9.0 * white, law, without, Clock())
-        assert found == scored and asked == scored[:1]
+        found = DISCOVER._library(machine(4000), None, 9.0 * white, law, about, without, Clock())
+        assert [one.held_out for one in found] == [0.98, 7.0] and asked == [(about, "tip_payload")]
         asked.clear()
+
+
+@pytest.mark.parametrize(("there", "taken"), [(0.99, "hardens"), (1.36, "gives")])
+def test_a_law_that_leaves_less_is_tried_about_the_machine_of_the_shortest(
+    monkeypatch: pytest.MonkeyPatch, there: float, taken: str
+) -> None:
+    """Ground that hardens, fitted roughly, left 1.26, and ground that gives 1.33, as much: refined, 0.98 and 1.35."""
+    white = np.random.default_rng(0).standard_normal(400)
+
+    def law(name: str, left: float, size: int) -> FoundLaw:
+        one = fitted(name, left, white)
+        one.fit.scaled, one.fit.candidate.parameters, one.model = np.ones(size), [(0, name, name)], name
+        one.deviation = np.zeros(size)
+        term = SimpleNamespace(name=name, parts=[SimpleNamespace(coefficient=name)])
+        return FoundLaw(SimpleNamespace(), (term,), one)
+
+    gives, hardens = law("gives", 1.33, 1), law("hardens", 1.26, 2)
+    asked = []
+
+    def fit_all(model: str, candidates: list, clock: Clock) -> list:
+        asked.extend((model, one.effects[0].id) for one in candidates)
+        return [law("hardens", there, 2).scored for _ in candidates]
+
+    monkeypatch.setattr(DISCOVER, "fit_all", fit_all)
+    monkeypatch.setattr(DISCOVER, "refined", lambda scored, *given: scored)
+    found = DISCOVER._refined(machine(400), 7.0 * white, [hardens, gives], (7.0, 7.0), Clock())
+    assert found.terms[0].name == taken and asked == [("gives", "hardens")]
