@@ -49,7 +49,8 @@ def _term(name: str, function: str, unit: str, shape: Shape | None = None) -> Te
 
 
 def _ripple(variable: str, unit: str, coordinate: str) -> Term:
-    turn = f"(2 * pi * {variable} / period)"
+    """About the middle of its variable: seen from far off, a phase moves with the period, and fits are stuck."""
+    turn = f"(2 * pi * ({variable} - {{middle:g}}) / period)"
     parts = (Part("sine", f"sin{turn}", unit), Part("cosine", f"cos{turn}", unit))
     return Term("ripple", parts, Shape("period", coordinate, "period"))
 

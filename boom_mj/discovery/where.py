@@ -107,7 +107,8 @@ def _angle(base: type[Effect], site: Site, motions: Motions) -> Iterator[Place]:
     signals = [motions.signals(k)["joint/position"] for k in data.trained]
     angle = np.concatenate([signal.values[:, joint - 1] for signal in signals])
     if np.ptp(angle) > ANGLE:
-        yield Place(base, site, f"the angle sensor of joint {joint}", {"angle": angle}, ANGLE, {})
+        words = {"middle": float(np.median(angle))}
+        yield Place(base, site, f"the angle sensor of joint {joint}", {"angle": angle}, ANGLE, words)
 
 
 def _link(base: type[Effect], site: Site, motions: Motions) -> Iterator[Place]:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from boom_mj.discovery.grammar import GRAMMARS
-from boom_mj.discovery.places import Place, law_class
+from boom_mj.discovery.places import Place, law_class, value_of
 from boom_mj.effects import BOOM_SITES, ModelEffect, Parameter, Site, laws, load_effects, make_effect
 from boom_mj.errors import EffectError
 from boom_mj.machine import Machine, load_machine
@@ -133,6 +133,23 @@ def test_link_law_bends_as_its_formula() -> None:
         curvature = (bend - offset * length) / length  # a hinge bends about where it rests
         expected = (1 + linear + cube * curvature**2) * curvature * length / bend
         assert torque[1] / torque[0] == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_ripples_period_does_not_move_with_its_phase() -> None:
+    """Else fits end beside it: a cylinder's ripple of 0.308 m came out as 0.323 m, 1.4 instead of 1.0 left."""
+    position = np.linspace(3.0, 4.0, 1000)
+    words = {"x": "m", "F": "N", "creep": 1e-3, "middle": 3.5}
+    place = Place(laws.CylinderLaw, site(cylinder=2), "a cylinder", {"position": position}, 1.0, words)
+    ripple = next(term for term in place.terms if term.name == "ripple")
+
+    def at(period: float) -> np.ndarray:
+        return np.stack(
+            [value_of(place.text(part.function), {"position": position, "period": period}) for part in ripple.parts]
+        )
+
+    phases, moved = at(0.3).T, (at(0.301) - at(0.3))[0]
+    left = moved - phases @ np.linalg.lstsq(phases, moved)[0]
+    assert left @ left > 0.9 * moved @ moved
 
 
 @pytest.mark.parametrize("kind", [Drag, Ground, Hard, Load])
