@@ -137,7 +137,7 @@ def _beam(
     whole: float,
     budget: SearchBudget,
 ) -> list[Sum]:
-    """Beam search over sums of columns."""
+    """Beam search over sums of columns; of two columns all, since what is mostly cancelled is no good alone."""
     where = {column: np.searchsorted(numbers, np.arange(column.part.start, column.part.stop)) for column in own}
     square = square + np.eye(len(square)) / OPTIONS.prior**2
 
@@ -148,16 +148,15 @@ def _beam(
 
     found: list[Sum] = []
     beam: list[tuple[Column, ...]] = [()]
-    for _ in range(budget.law_terms):
+    for size in range(1, budget.law_terms + 1):
         longer = {frozenset((*chosen, c)): (*chosen, c) for chosen in beam for c in own if _apart(c, chosen)}
         ranked = sorted(longer.values(), key=lambda chosen: -explained(chosen)[0])
-        beam, forms = [], set[frozenset[str]]()
+        forms = dict[frozenset[str], tuple[Column, ...]]()
         for chosen in ranked:  # one shape of a form is enough: fits find the others
-            form = frozenset(column.term.name for column in chosen)
-            if form not in forms and len(beam) < budget.law_beam:
-                forms.add(form)
-                beam.append(chosen)
-                found.append(_sum(place, chosen, *explained(chosen)))
+            forms.setdefault(frozenset(column.term.name for column in chosen), chosen)
+        best = list(forms.values())[: budget.law_beam]
+        found += [_sum(place, chosen, *explained(chosen)) for chosen in best]
+        beam = ranked if size == 1 else best
     return found
 
 

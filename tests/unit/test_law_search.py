@@ -48,6 +48,30 @@ def test_columns_that_are_alike_to_their_precision_promise_nothing_together(monk
     assert max(one.share for one in own) < 0.01
 
 
+def test_terms_that_cancel_most_of_each_other_are_found_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A gain that depends on the angle is load, and load times angle: neither may help alone."""
+    rng, count = np.random.default_rng(0), 500
+    words = {"x": "m", "F": "N", "creep": 1e-3, "middle": 0.0}
+    place = Place(laws.CylinderLaw, Site((("cylinder", 2),)), "a cylinder", {}, 1.0, words)
+    plain = [term for term in place.terms if not term.shape]
+    drawn = rng.standard_normal((count, len(plain)))
+    names = [term.name for term in plain]
+    load, angle = names.index("load_scale"), names.index("load_angle")
+    other = rng.standard_normal(count)
+    drawn[:, load], drawn[:, angle] = 10 + other, 10 - other
+    left = drawn[:, load] - drawn[:, angle]
+    for k in set(range(len(names))) - {load, angle}:
+        drawn[:, k] += left
+    own = [search.Column(place, term, None, slice(k, k + 1)) for k, term in enumerate(plain)]
+    monkeypatch.setattr(search, "_typical", lambda *given: 1.0)
+    numbers, whole = np.arange(len(plain)), float(left @ left)
+    found = search._beam(place, own, numbers, drawn.T @ left, drawn.T @ drawn, whole, SearchBudget())
+    pairs = [{term.name for term in one.terms} for one in found if len(one.terms) == 2]
+    assert pairs[0] == {"load_scale", "load_angle"}
+    singles = {one.terms[0].name for one in found if len(one.terms) == 1}
+    assert not singles & pairs[0]  # neither was among the best alone
+
+
 def fitted(name: str, left: float, white: np.ndarray) -> SimpleNamespace:
     """An effect or a law that leaves so much."""
     effect = SimpleNamespace(id=name)
