@@ -8,7 +8,7 @@ import numpy as np
 
 from boom_mj.diagnosis.diagnose import Diagnosis
 from boom_mj.diagnosis.localisation import in_words, locate, looks_like
-from boom_mj.diagnosis.named import brief, described, named_as_causes
+from boom_mj.diagnosis.named import brief, described, named_as_causes, probability_of_all
 from boom_mj.diagnosis.predictions import estimated_nuisances, nuisances
 from boom_mj.diagnosis.sentences import other_laws, rival, sentence
 from boom_mj.diagnosis.steps import ChannelSteps, nuisance_sizes
@@ -55,6 +55,7 @@ def document(
     answer = {
         "verdict": found.verdict,
         "sentence": sentence(found),
+        "probability": probability_of_all(found),
         "effects": [cause for cause, so in zip(causes, named) if so],
         "suspect": [cause for cause, so in zip(causes, named) if not so],
         "others": {

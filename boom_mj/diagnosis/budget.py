@@ -50,19 +50,21 @@ class Budget:
 
 @dataclass(frozen=True)
 class Odds:
-    """Probabilities that add up to 1.
+    """Probabilities that, but for the last, add up to 1.
 
     Attributes:
         explanations: of every scored one.
         outside_library: of something that the library does not hold.
         none: of nothing.
         combination: of effects of the library that were not found together.
+        hidden: whatever is true of these, of causes besides that the recordings do not show.
     """
 
     explanations: tuple[float, ...]
     outside_library: float
     none: float
     combination: float = 0.0
+    hidden: float = 0.0
 
 
 def gap_budget(as_built: Array, best: Scored) -> Budget:
@@ -78,7 +80,11 @@ def gap_budget(as_built: Array, best: Scored) -> Budget:
 
 
 def odds(
-    as_built: Array, scored: Sequence[Scored], model: Linearisation, mimicked: Sequence[float] | None = None
+    as_built: Array,
+    scored: Sequence[Scored],
+    model: Linearisation,
+    mimicked: Sequence[float] | None = None,
+    unseen: float = 1.0,
 ) -> Odds:
     """How often each explanation is the right one when held-out windows are drawn anew.
 
@@ -88,11 +94,16 @@ def odds(
         P(outside | explained) = o (f + k) / (o (f + k) + (1 - o) (1 - m)),
         P(outside | unexplained) = o (1 - f) / (o (1 - f) + (1 - o) m).
 
+    Whatever is said, causes that these recordings do not show may be there as well: by Poisson's law one or more with
+    probability 1 - exp(-l u), with l the criterion `further` and u the unseen share.
+
     Args:
         mimicked: how many of the library's other effects each explanation does as well on these data, up to one: so
             likely is it that it does what an unknown one does; none if left out.
+        unseen: share of the library's effects that these recordings do not show; all if left out.
     """
     criteria = model.criteria
+    hidden = 1 - float(np.exp(-criteria.further * unseen))
     gaps = np.sqrt(_mean_squares(model, [as_built, *(one.fit.residual for one in scored)])[1:])
     before, after = gaps[:, 0], gaps[:, 1:]
     count, outside = len(gaps), criteria.outside
@@ -100,7 +111,7 @@ def odds(
     unknown /= unknown + (1 - outside) * criteria.missed
     if not scored:
         healthy = float(np.mean(before <= criteria.healthy_gap))
-        return Odds((), unknown * (1 - healthy), healthy, (1 - unknown) * (1 - healthy))
+        return Odds((), unknown * (1 - healthy), healthy, (1 - unknown) * (1 - healthy), hidden)
     price = after * (1 + criteria.parameter_cost * np.array([len(one.fit.scaled) for one in scored]))
     first = np.argmin(np.where(after <= _enough(criteria, before)[:, None], price, np.inf), axis=1)
     suffices = after[np.arange(count), first] <= _enough(criteria, before)
@@ -115,6 +126,7 @@ def odds(
         float(chosen @ alike) + unknown * left,
         float(np.mean(none)),
         (1 - unknown) * left,
+        hidden,
     )
 
 

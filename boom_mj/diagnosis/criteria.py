@@ -40,6 +40,9 @@ class Criteria:
         0.5, "share of gap", "that an unlikely size may leave, of what likely ones leave: doubt"
     )
     outside: float = number(0.2, "share", "of causes, before any data, that no library holds: a decree")
+    further: float = number(
+        0.5, "causes", "that a machine has besides what a diagnosis says, before any data: a decree"
+    )
     fooled: float = number(0.13, "share", "of causes outside the library that it explained, 10 of 78 of opened seeds")
     missed: float = number(0.07, "share", "of causes in the library left unexplained, 9 of 125 of opened seeds")
     shadow: float = number(

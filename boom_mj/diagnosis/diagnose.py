@@ -156,7 +156,8 @@ def _diagnose(predictor: Predictor, without: Sequence[str], clock: Clock, most: 
         mimicked = (
             [screening.mimicked(j.fit.effects, raw, criteria.explained_gap) for j in scored] if screening else None
         )
-        return _concluded(model, as_built, screened, scored, mimicked, clock)
+        unseen = screening.unseen(raw, criteria.healthy_gap) if screening else 1.0
+        return _concluded(model, as_built, screened, scored, mimicked, unseen, clock)
 
     scored: list[Scored] = []
     promise = screened[0].share * training**2 if screened else 0.0
@@ -202,9 +203,10 @@ def _concluded(
     screened: Sequence[Screened],
     scored: Sequence[Scored],
     mimicked: Sequence[float] | None,
+    unseen: float,
     clock: Clock,
 ) -> Diagnosis:
-    """What scores say; `mimicked` of every scored explanation, see `odds`."""
+    """What scores say; `mimicked` of every scored explanation, and `unseen`: see `odds`."""
     data, criteria = model.data, model.criteria
     gaps = _, before = gap(as_built, data.train), gap(as_built, data.held_out)
     best = choose(scored, gaps)
@@ -240,7 +242,7 @@ def _concluded(
         fidelity,
         following,
         model,
-        odds(as_built, scored, model, mimicked),
+        odds(as_built, scored, model, mimicked, unseen),
         clock.skipped,
         other_laws,
         simplest_gap(model, best) if verdict in ("unexplained", "partial") else None,

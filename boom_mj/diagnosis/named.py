@@ -93,6 +93,20 @@ def probability(found: Diagnosis, effect: Effect) -> float:
     return inclusion(found.odds, found.scored, effect)
 
 
+def probability_of_all(found: Diagnosis) -> float:
+    """That an answer is right as a whole: these causes are all, or those that are sure are there, or there is none.
+
+    An unexplained gap is right where something outside the library is at work.
+    """
+    shown, odds = 1 - found.odds.hidden, found.odds
+    if found.verdict == "unexplained":
+        return odds.outside_library
+    if found.best is None:
+        return odds.none * shown
+    named = [probability(found, e) for e, so in zip(found.best.fit.effects, named_as_causes(found)) if so]
+    return min(named) * (1.0 if found.verdict == "partial" else shown)
+
+
 def closure_of(found: Diagnosis, scored: Scored) -> float:
     """Of one candidate, on held-out entries."""
     before = gap(found.as_built, found.model.data.held_out)

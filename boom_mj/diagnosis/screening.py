@@ -176,6 +176,22 @@ class Screening:
                 places[site.key] = places.get(site.key, True) and same
         return float(sum(np.mean(list(places.values())) for places in alike.values()))
 
+    def unseen(self, residual: Array, enough: float) -> float:
+        """The share of kinds of effects that leave no gap in training, of the largest size screened.
+
+        A kind counts by the share of its sites.
+
+        Args:
+            residual: whitened, (N,).
+            enough: gap that is none.
+        """
+        square = 1 + self.normal_equations(residual).diagonal / len(self.columns)
+        seen: dict[str, dict[tuple, bool]] = {}
+        for (kind, site, _), part in zip(self.rows, self.stretches):
+            places = seen.setdefault(kind.id, {})
+            places[site.key] = places.get(site.key, False) or bool(np.any(square[part] > enough**2))
+        return 1 - float(np.mean([np.mean(list(places.values())) for places in seen.values()]))
+
     def normal_equations(self, residual: Array) -> "NormalEquations":
         """Of a whitened residual (N,), in the inner product of what follows: nuisances below their limits, effects."""
         if not (self._known and self._known[0] is residual):

@@ -34,6 +34,16 @@ def test_what_looks_alike_on_these_data_is_mimicked(model: Linearisation) -> Non
     assert alone.mimicked((payload,), residual, 1e9) == 0.0
 
 
+def test_what_these_recordings_do_not_show_is_unseen(model: Linearisation) -> None:
+    """Kinds count alike, however many points each is screened at."""
+    payload = make_effect("tip_payload", {"mass": 20.0})
+    screening = Screening(model, [(type(payload), payload.site), (type(PULSATION), PULSATION.site)], [0.6])
+    residual = np.zeros(len(model.noise.weight))
+    sizes = screening.normal_equations(residual).diagonal / len(screening.columns)
+    low, high = sorted(np.sqrt(1 + part.max()) for part in (sizes[:1], sizes[1:]))
+    assert [screening.unseen(residual, enough) for enough in (0.9 * low, (low + high) / 2, high)] == [0.0, 0.5, 1.0]
+
+
 def test_lines_stand_out_of_noise(model: Linearisation) -> None:
     data, rng = model.data, np.random.default_rng(0)
     noise = rng.standard_normal(len(data.time))

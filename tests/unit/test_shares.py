@@ -30,6 +30,13 @@ def explanation(model: Linearisation, residual: np.ndarray) -> Scored:
     return Scored(fit, model, 1.0, 1.0, np.ones(1))
 
 
+def test_what_recordings_do_not_show_may_be_there(model: Linearisation) -> None:
+    size = len(model.noise.weight)
+    found = [odds(np.full(size, 1.0), (), model, unseen=share) for share in (0.0, 0.2, 1.0)]
+    causes = model.criteria.further
+    assert [one.hidden for one in found] == pytest.approx([0, 1 - np.exp(-0.2 * causes), 1 - np.exp(-causes)])
+
+
 @pytest.mark.parametrize("left", [0.9, 3.0])
 def test_odds_add_up_and_what_mimics_others_is_less_sure(model: Linearisation, left: float) -> None:
     size = len(model.noise.weight)

@@ -136,6 +136,8 @@ class GapDiagnose(Part):
 
     verdict: Literal["consistent", "explained", "ambiguous", "partial", "unexplained"]
     sentence: str
+    probability: Number
+    """That what it says is right as a whole."""
     effects: list[NamedCause]
     suspect: list[NamedCause]
     rivals: list[Rival]

@@ -29,6 +29,13 @@ NEXT = {
     "partial": "Look at the machine where the effects lie, then at what is left, below.",
     "unexplained": "See where it lies and what is left, below; gap discover looks for a law that no library has.",
 }
+RIGHT = {
+    "consistent": "that nothing is wrong, what these recordings do not show included",
+    "explained": "that this is all there is, what these recordings do not show included",
+    "ambiguous": "that the first is all there is, what these recordings do not show included",
+    "partial": "that these effects are there",
+    "unexplained": "that something is at work that the library does not hold",
+}
 
 
 def section(view: View) -> Section:
@@ -80,6 +87,7 @@ def figures(view: View) -> list[tuple[str, str, str]]:
         ),
         ("Gap in training", _fall(gap["train"], view.corrected), "the recordings that the fit has seen"),
     ]
+    found.append(("Probability", percent(view.answer["probability"]), RIGHT[view.answer["verdict"]]))
     if view.corrected and gap["closure"] is not None and gap["holdout"]["before"] > 1:
         low, high = gap["closure_interval"]
         span = "" if low is None or high is None else f"95 % interval {percent(low)} to {percent(high)}"
