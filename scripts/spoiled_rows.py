@@ -13,7 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from spoil_logs import COMMAND, DRIVE, FORCE, MACHINE, MARKERS, Logs, change, picked, without
+from log_faults import COMMAND, DRIVE, FORCE, MACHINE, MARKERS, Logs, change, picked, without
 
 from boom_mj.blind.run import case_logs
 from boom_mj.errors import BoomError

@@ -20,7 +20,7 @@ from boom_mj.sensors import record
 from boom_mj.simulation import CATALOGUE, make_plant, run_experiment
 
 sys.path.append(str(Path(__file__).parents[2] / "scripts"))
-import spoil_logs
+import log_faults
 
 MACHINE = load_machine("boom36")
 EXPERIMENTS = ("release_bow_vertical", "mixed", "release_stretched_horizontal", "sweep")
@@ -69,14 +69,14 @@ def test_sound_recordings_stay_the_same_objects(effects: tuple[str, ...]) -> Non
     checked.refuse(all_of_them=True)
 
 
-@pytest.mark.parametrize("fault", spoil_logs.FAULTS, ids=lambda fault: fault.__name__)
+@pytest.mark.parametrize("fault", log_faults.FAULTS, ids=lambda fault: fault.__name__)
 def test_every_fault_is_named_at_its_channel_and_inputs_stay(fault: object) -> None:
     rng = np.random.default_rng(5)
-    spoiled = spoil_logs.Set(list(simulated(*OFFSETS)), TRAINING)
+    spoiled = log_faults.Set(list(simulated(*OFFSETS)), TRAINING)
     done = fault(rng, spoiled)
     before = [{name: (s.time.copy(), s.values.copy()) for name, s in log.signals.items()} for log in spoiled.logs]
     checked = check_recordings(MACHINE, spoiled.logs, TRAINING, [str(k) for k in range(len(spoiled.logs))])
-    mine = [f for f in checked.findings if f.kind in done.kinds and spoil_logs.at(f.channel, done)]
+    mine = [f for f in checked.findings if f.kind in done.kinds and log_faults.at(f.channel, done)]
     assert {int(f.log) for f in mine} & set(done.logs), [f.sentence for f in checked.findings]
     for log, signals in zip(spoiled.logs, before, strict=True):
         assert {name: s.values.shape for name, s in log.signals.items()} == {
@@ -93,15 +93,15 @@ def test_every_fault_is_named_at_its_channel_and_inputs_stay(fault: object) -> N
 
 def test_joints_that_follow_late_do_not_stand_still() -> None:
     logs = [
-        log.with_signals({spoil_logs.DRIVE: replace(log[spoil_logs.DRIVE], time=log[spoil_logs.DRIVE].time + 0.39)})
+        log.with_signals({log_faults.DRIVE: replace(log[log_faults.DRIVE], time=log[log_faults.DRIVE].time + 0.39)})
         for log in simulated(*OFFSETS)
     ]
-    assert found_in(logs) == {("clock", spoil_logs.DRIVE)}
+    assert found_in(logs) == {("clock", log_faults.DRIVE)}
 
 
 def test_what_is_repaired_is_found_no_more() -> None:
-    spoiled = spoil_logs.Set(list(simulated(*OFFSETS)), TRAINING)
-    for fault in (spoil_logs.swapped, spoil_logs.unit, spoil_logs.joint_unit, spoil_logs.frozen):
+    spoiled = log_faults.Set(list(simulated(*OFFSETS)), TRAINING)
+    for fault in (log_faults.swapped, log_faults.unit, log_faults.joint_unit, log_faults.frozen):
         fault(np.random.default_rng(2), spoiled)
     checked = check_recordings(MACHINE, spoiled.logs, TRAINING)
     assert {f.action for f in checked.findings} == {Action.REPAIRED}
@@ -171,19 +171,19 @@ def test_a_load_that_is_turned_or_not_logged() -> None:
     turned = [log.with_signals({"load": replace(log["load"], values=-log["load"].values)}) for log in logs]
     told = check_recordings(MACHINE, turned, TRAINING).findings
     assert {(f.kind, f.repair.line) for f in told} == {("load", 'signal = "load": sign = -1')}
-    checked = check_recordings(MACHINE, [spoil_logs.without(log, "load") for log in logs], TRAINING)
+    checked = check_recordings(MACHINE, [log_faults.without(log, "load") for log in logs], TRAINING)
     assert {f.log for f in checked.findings} == {log.name for log in logs if log.name.startswith("release")}
     assert all("as if a rope had been cut" in f.sentence and f.action is Action.LEFT_OUT for f in checked.findings)
     force = logs[0]["load"]
     one = [logs[0].with_signals({"load": replace(force, values=force.values / 1000)}), *logs[1:]]
     assert [f.log for f in check_recordings(MACHINE, one, TRAINING).findings] == [logs[0].name]
-    still = [spoil_logs.without(log, "load") for log in logs if not log.name.startswith("release")]
+    still = [log_faults.without(log, "load") for log in logs if not log.name.startswith("release")]
     assert check_recordings(MACHINE, still, 1).findings == ()
 
 
 def test_noise_that_is_found_is_raised_for_its_log_and_signal() -> None:
     logs = list(simulated(*OFFSETS))
-    markers, level = logs[1]["markers"], spoil_logs.noise_levels(MACHINE)["markers"]
+    markers, level = logs[1]["markers"], log_faults.noise_levels(MACHINE)["markers"]
     more = np.random.default_rng(2).normal(size=markers.values.shape) * 5 * level
     logs[1] = logs[1].with_signals({"markers": replace(markers, values=markers.values + more)})
     checked = check_recordings(MACHINE, logs, TRAINING)
@@ -204,7 +204,7 @@ def test_a_clock_that_drifts_is_brought_back(pace: float) -> None:
 
 
 def test_nothing_moves() -> None:
-    cut = [spoil_logs.replace(log, signals=_first(log, 1.0)) for log in simulated(*OFFSETS)]
+    cut = [log_faults.replace(log, signals=_first(log, 1.0)) for log in simulated(*OFFSETS)]
     assert {("at rest", ""), ("too short", "")} == found_in(cut)
 
 
@@ -261,7 +261,7 @@ def test_every_check_says_what_it_is() -> None:
 
 
 def _first(log: Recording, seconds: float) -> dict[str, Signal]:
-    return {n: spoil_logs.picked(s, s.time < s.time[0] + seconds) for n, s in log.signals.items()}
+    return {n: log_faults.picked(s, s.time < s.time[0] + seconds) for n, s in log.signals.items()}
 
 
 def _scaled(log: Recording, name: str, factor: list[int]) -> Recording:
