@@ -78,7 +78,7 @@ class Place:
 
     def text(self, words: str) -> str:
         """A formula or a unit of the grammar, as it is here."""
-        return words.format(**self.words)
+        return words.format(**self.words).replace("- -", "+ ")
 
     def grid(self, shape: Shape) -> Array:
         """Values at which a shape is looked through."""

@@ -1,6 +1,7 @@
 """A law as a Python file that the library accepts: an effect like any other."""
 
 import re
+import textwrap
 from collections.abc import Mapping, Sequence
 
 from boom_mj.diagnosis.named import interval_of
@@ -10,6 +11,7 @@ from boom_mj.discovery.search import FoundLaw
 from boom_mj.effects.laws import Law
 
 DIGITS = 4
+WIDTH = 110  # characters of a line
 HELPERS = ("direction", "fading", "lagged")
 FILE = '''"""{title}
 
@@ -23,17 +25,21 @@ As an effect, of the size that was found:
 {imports}
 
 class {kind}({base}):
-    """{formula}, on {acts_on}."""
+    """Acts on {acts_on} as `formula` says, with the numbers of `table`."""
 
     id = "{name}"
-    formula = "{formula}"
+    formula = (
+{quoted}
+    )
 {attributes}    table = {{
 {table}
     }}
 {law}'''
 METHOD = """
     def law(self, {arguments}):
-        return {formula}
+        return (
+            {summed}
+        )
 """
 
 
@@ -49,21 +55,25 @@ def law_file(found: Discovery, name: str) -> str:
     imports = [f"from numpy import {', '.join(arrays)}", ""] if arrays else []
     imports += ["from boom_mj.effects import Parameter", f"from boom_mj.effects.laws import {law.place.base.__name__}"]
     imports[-1] += "".join(f", {word}" for word in helpers)
+    terms = re.split(r" \+ (?![^(]*\))", kind.formula)
     values = {word: f"{value:.{DIGITS}g}" for word, value in effect.values.items()}
     location = [f"{key}={value}" for key, value in law.place.site.location.items()]
     return FILE.format(
-        title=f"A law found in recordings of {found.model.facts.name}: {with_numbers(law)}, on {law.place.acts_on}.",
+        title=textwrap.fill(
+            f"A law found in recordings of {found.model.facts.name}: {with_numbers(law)}, on {law.place.acts_on}.",
+            WIDTH,
+        ),
         story=story(found),
         name=name,
         effect=f"{name}:{','.join([*location, *(f'{k}={v}' for k, v in values.items())])}",
         imports="\n".join(imports) + "\n",
         kind="".join(part.capitalize() for part in name.split("_")),
         base=law.place.base.__name__,
-        formula=kind.formula,
+        quoted="\n".join(f'        "{part}"' for part in [terms[0], *(f" + {term}" for term in terms[1:])]),
         acts_on=law.place.acts_on,
         attributes="".join(f'    {key} = "{value}"\n' for key, value in law.place.attributes.items()),
         table="\n".join(_rows(law)),
-        law=METHOD.format(arguments=", ".join([*kind.variables, *effect.values]), formula=kind.formula)
+        law=METHOD.format(arguments=", ".join([*kind.variables, *effect.values]), summed="\n            + ".join(terms))
         if methods
         else "",
     )
@@ -102,7 +112,7 @@ def with_numbers(law: FoundLaw) -> str:
     text = law_type(law).formula
     for name, value in law.scored.fit.effects[0].values.items():
         text = re.sub(rf"\b{name}\b", f"{value:.3g}", text)
-    return text.replace("+ -", "- ")
+    return text.replace("+ -", "- ").replace("- -", "+ ")
 
 
 def story(found: Discovery) -> str:
