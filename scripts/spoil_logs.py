@@ -1,12 +1,12 @@
 """Spoils what logs mean, in the ways of a bad day on site, and counts how often `check_recordings` names it.
 
-    python scripts/spoil_logs.py FOLDER [--sets 500] [--clean 100] [--seed 1] [--keep FILE.jsonl] [--seal SEAL]
+    python scripts/spoil_logs.py FOLDER --commit ID [--sets 500] [--clean 100] [--keep FILE.jsonl] [--seal SEAL]
 
 FOLDER holds cases as the blind check makes them: CASE/train/*.mcap and CASE/holdout/*.mcap. Every set is a case with
 its noise drawn anew (the samples' own, scattered a little) and one to three faults of random kind, channel, place and
-size, in all logs or in some. A fault is named if a finding of its kind is at its channel in at least one of its logs;
-findings at other channels are counted as false. Clean sets have new noise only. What is done is kept line by line in
-FILE.jsonl, and a second call goes on. With the cases' SEAL sets keep their noise and are diagnosed, too, and answers
+size, in all logs or in some; the SHA-256 of the commit's id and "spoiled logs" is the seed. A fault is named if a
+finding of its kind is at its channel in at least one of its logs; findings at other channels are counted as false.
+Clean sets have new noise only. What is done is kept line by line in FILE.jsonl, and a second call goes on. With the cases' SEAL sets keep their noise and are diagnosed, too, and answers
 held against the truth.
 """
 
@@ -18,6 +18,7 @@ import traceback
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -120,7 +121,7 @@ def main() -> int:
     parser.add_argument("folder", type=Path, nargs="+")
     parser.add_argument("--sets", type=int, default=500)
     parser.add_argument("--clean", type=int, default=100)
-    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--commit", required=True, help="that is tried")
     parser.add_argument("--keep", type=Path, default=Path("spoiled.jsonl"))
     parser.add_argument("--seal", type=Path, help="truths of the cases: every set is diagnosed as well")
     parser.add_argument("--jobs", type=int, default=1)
@@ -133,8 +134,9 @@ def main() -> int:
     done = {row["number"] for row in rows}
     numbers = [*range(-options.clean, 0), *range(options.sets)]
     order = sorted(numbers, key=lambda n: (n % 7, n))  # clean and spoiled sets in turn
+    seed = int.from_bytes(sha256(f"{options.commit}spoiled logs".encode()).digest())
     cases = {number: cases[number % len(cases)] for number in order}
-    tasks = [Task(n, cases[n], options.seed, truths.get(cases[n].name)) for n in order if n not in done]
+    tasks = [Task(n, cases[n], seed, truths.get(cases[n].name)) for n in order if n not in done]
     for finished in spread(tried, tasks, options.jobs):
         rows.append(finished.result())
         with options.keep.open("a") as stream:
