@@ -6,8 +6,8 @@ FOLDER holds cases as the blind check makes them: CASE/train/*.mcap and CASE/hol
 its noise drawn anew (the samples' own, scattered a little) and one to three faults of random kind, channel, place and
 size, in all logs or in some; the SHA-256 of the commit's id and "spoiled logs" is the seed. A fault is named if a
 finding of its kind is at its channel in at least one of its logs; findings at other channels are counted as false.
-Clean sets have new noise only. What is done is kept line by line in FILE.jsonl, and a second call goes on. With the cases' SEAL sets keep their noise and are diagnosed, too, and answers
-held against the truth.
+Clean sets have new noise only. What is done is kept line by line in FILE.jsonl, and a second call goes on. With the
+cases' SEAL sets keep their noise and are diagnosed, too, and answers held against the truth.
 """
 
 import argparse
