@@ -170,24 +170,21 @@ def _diagnose(predictor: Predictor, without: Sequence[str], clock: Clock, most: 
         scored = refined(scored, gaps, clock)
     found = concluded(scored)
     keep(found)
-    other = None if found.solved else _extended(found, criteria.explained_gap, without, clock, most, keep)
+    other = None if found.solved else _extended(found, without, clock, most, keep)
     if worth and screening and not other and not complete(gaps, scored[0]):
         found = concluded(combined(scored, gaps, screening, clock, most))
-        other = None if found.solved else _extended(found, criteria.near_noise_gap, without, clock, most, keep)
+        other = None if found.solved else _extended(found, without, clock, most, keep)
     return other if other and other.solved else found
 
 
-def _extended(
-    found: Diagnosis, left: float, without: Sequence[str], clock: Clock, most: int, keep: Keep
-) -> Diagnosis | None:
+def _extended(found: Diagnosis, without: Sequence[str], clock: Clock, most: int, keep: Keep) -> Diagnosis | None:
     """The diagnosis where part of a recording held out trains what no other recording shows; its rest is held out.
 
-    Args:
-        left: what an explanation may leave of training.
+    Only where nothing is left to explain of training: a search that ends short of that would end so again.
     """
     data = found.model.data
     hidden = {k: size for k, size in found.not_trained.items() if k not in data.extended}
-    if not hidden or gap(found.trained, data.train) > left:
+    if not hidden or gap(found.trained, data.train) > found.criteria.healthy_gap:
         return None
     largest = max(hidden, key=hidden.__getitem__)
     part = f"{found.model.facts.wording.first_part} of {data.recordings[largest].name}"
