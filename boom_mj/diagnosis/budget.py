@@ -19,7 +19,6 @@ from math import factorial
 import numpy as np
 
 from boom_mj.diagnosis.candidate import apart
-from boom_mj.diagnosis.criteria import Criteria
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.scoring import Scored
 from boom_mj.effects import Effect
@@ -113,8 +112,8 @@ def odds(
         healthy = float(np.mean(before <= criteria.healthy_gap))
         return Odds((), unknown * (1 - healthy), healthy, (1 - unknown) * (1 - healthy), hidden)
     price = after * (1 + criteria.parameter_cost * np.array([len(one.fit.scaled) for one in scored]))
-    first = np.argmin(np.where(after <= _enough(criteria, before)[:, None], price, np.inf), axis=1)
-    suffices = after[np.arange(count), first] <= _enough(criteria, before)
+    first = np.argmin(np.where(after <= criteria.enough(before)[:, None], price, np.inf), axis=1)
+    suffices = after[np.arange(count), first] <= criteria.enough(before)
     fall = before**2 - after.min(axis=1) ** 2
     none = (before <= criteria.healthy_gap) & (fall <= criteria.least_gain)
     chosen = np.bincount(first[suffices & ~none], minlength=len(scored)) / count
@@ -150,11 +149,6 @@ def needed(best: Scored, scored: Sequence[Scored], as_built: Array, effect: Effe
     rival = squares[:, 1:].min(axis=1)
     closes = (rival - squares[:, 0]) / np.maximum(rival - 1, 1e-9)
     return bool(np.quantile(closes[1:], TAIL) > model.criteria.named_closure)
-
-
-def _enough(criteria: Criteria, before: Array) -> Array:
-    """The gap that an explanation may leave."""
-    return criteria.explained_gap + criteria.error_share * (before - 1)
 
 
 def _mean_squares(model: Linearisation, residuals: Sequence[Array]) -> Array:

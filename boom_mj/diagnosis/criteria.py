@@ -55,6 +55,10 @@ class Criteria:
     named_probability: float = number(0.5, "probability", "from which a cause is named although it leaves a gap")
     leakage: float = number(0.01, "share", "of the mean square closed, that an effect's own inaccuracy may leave")
 
+    def enough(self, before: Any) -> Any:
+        """The gap that an explanation may leave of one: of noise and of the model's own error."""
+        return self.explained_gap + self.error_share * (before - 1)
+
 
 @dataclass(frozen=True)
 class SearchBudget:

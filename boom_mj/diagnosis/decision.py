@@ -15,9 +15,7 @@ Gaps = tuple[float, float]  # training, held out
 
 def solved(as_built: Gaps, found: Scored) -> bool:
     """Whether an explanation leaves no more than noise and its own inaccuracy, in training and held out."""
-    criteria = found.model.criteria
-    bounds = (criteria.explained_gap + criteria.error_share * (before - 1) for before in as_built)
-    return all(after <= bound for bound, after in zip(bounds, found.gaps))
+    return all(after <= found.model.criteria.enough(before) for before, after in zip(as_built, found.gaps))
 
 
 def complete(as_built: Gaps, found: Scored) -> bool:

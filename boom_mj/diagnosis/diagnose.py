@@ -180,11 +180,12 @@ def _diagnose(predictor: Predictor, without: Sequence[str], clock: Clock, most: 
 def _extended(found: Diagnosis, without: Sequence[str], clock: Clock, most: int, keep: Keep) -> Diagnosis | None:
     """The diagnosis where part of a recording held out trains what no other recording shows; its rest is held out.
 
-    Only where nothing is left to explain of training: a search that ends short of that would end so again.
+    Only where what is left of training suffices: a search that ends short of that would end so again.
     """
     data = found.model.data
     hidden = {k: size for k, size in found.not_trained.items() if k not in data.extended}
-    if not hidden or gap(found.trained, data.train) > found.criteria.healthy_gap:
+    left, enough = gap(found.trained, data.train), found.criteria.enough(gap(found.as_built, data.train))
+    if not hidden or left > enough:
         return None
     largest = max(hidden, key=hidden.__getitem__)
     part = f"{found.model.facts.wording.first_part} of {data.recordings[largest].name}"
