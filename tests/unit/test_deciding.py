@@ -273,4 +273,4 @@ def test_a_steady_tone_screened_as_a_pulsation_stays_within_its_bounds() -> None
 
 
 def test_what_an_explanation_may_leave_grows_with_the_gap_above_the_floor() -> None:
-    assert budget._enough(BOOM, np.array([3.0])) == pytest.approx(BOOM.explained_gap + 2 * BOOM.error_share)
+    assert BOOM.enough(3.0) == pytest.approx(BOOM.explained_gap + 2 * BOOM.error_share)
