@@ -184,11 +184,11 @@ def _refined(
     others = [
         law for law in laws if law is not chosen and law.certain and law.held_out < model.budget.close * chosen.held_out
     ]
-    for other in sorted(others, key=lambda law: _left(model, law.residual))[:1]:
-        for again in fit_all(best.scored.model, [Candidate(other.scored.fit.effects)], clock):
-            there = replace(other, scored=again)
-            if _chosen(model, as_built, [best, there]) is there:
-                return replace(there, scored=refined([again], gaps, clock)[0])
+    rivals = sorted(others, key=lambda law: _left(model, law.residual))[:1]
+    for again in fit_all(best.scored.model, [Candidate(law.scored.fit.effects) for law in rivals], clock):
+        there = replace(rivals[0], scored=again)
+        if _chosen(model, as_built, [best, there]) is there:
+            return replace(there, scored=refined([again], gaps, clock)[0])
     return best
 
 

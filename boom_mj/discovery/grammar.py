@@ -50,7 +50,7 @@ def _term(name: str, function: str, unit: str, shape: Shape | None = None) -> Te
 
 def _ripple(variable: str, unit: str, coordinate: str) -> Term:
     """About the middle of its variable: seen from far off, a phase moves with the period, and fits are stuck."""
-    turn = f"(2 * pi * ({variable} - {{middle:.3g}}) / period)"
+    turn = f"(2 * pi * ({variable} - {{middle:.9g}}) / period)"
     parts = (Part("sine", f"sin{turn}", unit), Part("cosine", f"cos{turn}", unit))
     return Term("ripple", parts, Shape("period", coordinate, "period"))
 
@@ -66,8 +66,8 @@ DRIVE = (
     _term("load_friction", f"abs(load) * {DRY}", "1"),
     _term("sag", "load * abs(speed)", "s/{x}"),
     _term("drag", "abs(speed) * speed", "{F} s^2/{x}^2"),
-    _term("spring", "(position - {middle:.3g})", "{F}/{x}"),
-    _term("cubic_spring", "(position - {middle:.3g})**3", "{F}/{x}^3"),
+    _term("spring", "(position - {middle:.9g})", "{F}/{x}"),
+    _term("cubic_spring", "(position - {middle:.9g})**3", "{F}/{x}^3"),
     _term("drift", "time", "{F}/s"),
     _term("upper_stop", "maximum(position - upper, 0)", "{F}/{x}", UPPER),
     _term("lower_stop", "maximum(lower - position, 0)", "{F}/{x}", LOWER),

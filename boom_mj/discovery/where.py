@@ -74,7 +74,7 @@ def _cylinder(base: type[Effect], site: Site, motions: Motions) -> Iterator[Plac
 
     variables = motions.trained(sense)
     if np.any(np.abs(variables["speed"]) > CREEP):  # what never moves tells of no law
-        words = {"x": "m", "F": "N", "creep": CREEP, "middle": float(np.median(variables["position"]))}
+        words = {"x": "m", "F": "N", "creep": CREEP, "middle": _middle(variables["position"])}
         size = LOADS * float(motions.model.facts.noise["cylinder/force"][number - 2])
         channel = ("cylinder/force", number - 2)
         yield Place(base, site, f"the force of cylinder {number}", variables, size, words, channel=channel, sense=sense)
@@ -107,7 +107,7 @@ def _angle(base: type[Effect], site: Site, motions: Motions) -> Iterator[Place]:
     signals = [motions.signals(k)["joint/position"] for k in data.trained]
     angle = np.concatenate([signal.values[:, joint - 1] for signal in signals])
     if np.ptp(angle) > ANGLE:
-        words = {"middle": float(np.median(angle))}
+        words = {"middle": _middle(angle)}
         yield Place(base, site, f"the angle sensor of joint {joint}", {"angle": angle}, ANGLE, words)
 
 
@@ -145,7 +145,7 @@ def _joint(base: type[Effect], site: Site, motions: Motions) -> Iterator[Place]:
         return {"position": position, "speed": speed, "load": np.full_like(time, site.value), "time": time}
 
     variables = motions.trained(sense)
-    middle = float(np.median(variables["position"]))
+    middle = _middle(variables["position"])
     words = {"x": site.unit, "F": site.force_unit, "creep": SLOW * site.speed, "middle": middle}
     yield Place(base, site, f"what resists joint {joint}", variables, LEAST * site.value, words, sense=sense)
 
@@ -172,6 +172,11 @@ def _channel(base: type[Effect], site: Site, motions: Motions) -> Iterator[Place
     size = LOADS * float(motions.model.facts.noise[name][0])
     variables, words = motions.trained(sense), {"F": site.unit}
     yield Place(base, site, f"the channel {name}", variables, size, words, channel=(name, 0), sense=sense)
+
+
+def _middle(values: Array) -> float:
+    """The median, in a few digits of the range: it is written in formulas."""
+    return round(float(np.median(values)), 1 - int(np.floor(np.log10(max(float(np.ptp(values)), 1e-9)))))
 
 
 def _machine(model: Linearisation) -> Any:

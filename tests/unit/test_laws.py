@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from boom_mj.discovery import where
 from boom_mj.discovery.grammar import GRAMMARS
 from boom_mj.discovery.places import Place, law_class, value_of
 from boom_mj.effects import BOOM_SITES, ModelEffect, Parameter, Site, laws, load_effects, make_effect
@@ -133,6 +134,14 @@ def test_link_law_bends_as_its_formula() -> None:
         curvature = (bend - offset * length) / length  # a hinge bends about where it rests
         expected = (1 + linear + cube * curvature**2) * curvature * length / bend
         assert torque[1] / torque[0] == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("middle", "width", "written"), [(2048.37, 8.0, 2048.4), (0.02543, 0.6, 0.03), (-1.7634, 2.0, -1.8)]
+)
+def test_the_middle_of_a_variable_is_as_exact_as_its_range_asks(middle: float, width: float, written: float) -> None:
+    """An encoder far from its zero: three digits of 2048 would lie beside where it is."""
+    assert where._middle(middle + width * np.linspace(-0.5, 0.5, 101)) == written
 
 
 def test_a_ripples_period_does_not_move_with_its_phase() -> None:
