@@ -21,6 +21,7 @@ from boom_mj.simulation import CATALOGUE
 Array = np.ndarray
 TRAIN, HOLDOUT = ("fold_in", "sweep", "release_bow_vertical"), ("mixed", "release_bow_horizontal")
 FORMS = ("load_friction", "ripple", "tip_drag", "hardening", "sag", "gain", "memory", "stop", "square_drag", "ground")
+FORMS += ("middle_drag", "creeping_marker")
 BEND = 0.02  # rad
 MOMENT = 4e5  # N m, of a boom half stretched
 TRIES = 12  # draws of a form
@@ -88,6 +89,21 @@ class ImuGain(OutputEffect):
         return {name: replace(signals[name], values=values)}
 
 
+class CreepingMarker(OutputEffect):
+    """A coordinate of a marker is read the farther off, the later it is."""
+
+    id = "hidden_marker"
+    at = ("marker",)
+    table: ClassVar = NUMBER
+    axis: str
+    sizes: Mapping[str, float]
+
+    def observe(self, signals: Mapping[str, Signal], machine: Machine) -> Mapping[str, Signal]:
+        values, time = signals["markers"].values.copy(), signals["markers"].time
+        values[:, 3 * (int(self.location["marker"]) - 1) + "xyz".index(self.axis)] += self.sizes["speed"] * time
+        return {"markers": replace(signals["markers"], values=values)}
+
+
 class Hardening(ModelEffect):
     """A link's bending moment grows with the cube of its curvature."""
 
@@ -117,7 +133,10 @@ class Ground(ModelEffect):
 
 
 class Drag(ModelEffect):
-    """A ball at the tip in a fluid: MuJoCo's rho C pi r^2 |v| v, which a test of the laws holds against its power."""
+    """A ball at the tip, or on the middle marker of a link, in a fluid: MuJoCo's rho C pi r^2 |v| v.
+
+    A test of the laws holds that against its power.
+    """
 
     id = "hidden_drag"
     table: ClassVar = NUMBER
@@ -125,13 +144,20 @@ class Drag(ModelEffect):
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         spec.option.density, radius = 1e-4, 0.05
-        tip = spec.site("tip")
-        ball = tip.parent.add_geom(name="hidden", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[radius, 0, 0], pos=tip.pos)
+        link = self.location.get("link")
+        point = spec.site(f"marker{3 * int(link) - 4}" if link else "tip")
+        ball = point.parent.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[radius, 0, 0], pos=point.pos)
         ball.mass, ball.contype, ball.conaffinity, ball.fluid_ellipsoid = 0.0, 0, 0, 1.0
         ball.fluid_coefs = [self.sizes["c"] / (1e-4 * np.pi * radius**2), 0.0, 0.0, 0.0, 0.0]
 
 
-MOVING = {"hardening": Hardening, "tip_drag": Drag, "ground": Ground}
+class MiddleDrag(Drag):
+    """Of a link."""
+
+    at = ("link",)
+
+
+MOVING = {"hardening": Hardening, "tip_drag": Drag, "middle_drag": MiddleDrag, "ground": Ground}
 """Forms that move the machine otherwise."""
 
 
@@ -181,6 +207,12 @@ def drawn(form: str, machine: Machine, rng: np.random.Generator) -> dict[str, An
         terms = {"ripple": "amplitude"}
     elif form == "tip_drag":
         place, sizes, terms = {}, {"c": rng.uniform(60, 250)}, {"drag": "c"}
+    elif form == "middle_drag":
+        link = int(rng.integers(3, 6))  # link 2 hardly moves
+        place, sizes, terms = {"link": link}, {"c": rng.uniform(150, 600) * (3, 1.5, 1)[link - 3]}, {"drag": "c"}
+    elif form == "creeping_marker":
+        place = {"marker": int(rng.integers(1, 13)), "axis": str(rng.choice(list("xyz")))}
+        sizes, terms = {"speed": sign * rng.uniform(3e-4, 2e-3)}, {"drift": "speed"}
     elif form == "hardening":
         link = int(rng.integers(2, 5))
         share = rng.uniform(0.2, 0.8)
@@ -241,9 +273,13 @@ def effect_of(truth: Mapping[str, Any]) -> Effect:
         object.__setattr__(effect, "sizes", truth["sizes"])
         object.__setattr__(effect, "point", place["point"])
         return effect
-    kind = MOVING.get(truth["form"]) or (ImuGain if "link" in place else Cylinder)
-    site = next(s for s in BOOM_SITES if s.location == {k: v for k, v in place.items() if k in ("link", "cylinder")})
+    kind = MOVING.get(truth["form"]) or (
+        CreepingMarker if "marker" in place else ImuGain if "link" in place else Cylinder
+    )
+    keys = ("link", "cylinder", "marker")
+    site = next(s for s in BOOM_SITES if s.location == {k: v for k, v in place.items() if k in keys})
     effect = kind(site, number=1.0)
     object.__setattr__(effect, "sizes", truth["sizes"])
     object.__setattr__(effect, "form", truth["form"])
+    object.__setattr__(effect, "axis", place.get("axis", ""))
     return effect

@@ -130,8 +130,8 @@ def _places(model: Linearisation) -> Iterator[ForcePlace]:
             yield ForcePlace(f"joint {site.location['joint']}", site.force_unit, {"positive": push})
         elif "boom" in site.tags and not site.keys:
             machine: Machine = model.system.machine  # type: ignore[attr-defined]
-            each, links = len(machine.sensors.markers_x), range(len(machine.links))
-            points = {f"marker{each * k + each // 2 + 1}": f"the middle of link {k + 2}" for k in links}
+            links = range(2, 2 + len(machine.links))
+            points = {machine.middle_marker(link): f"the middle of link {link}" for link in links}
             for point, acts_on in {"tip": "the tip", **points}.items():
                 ways = {way: Push(Site((("point", point), ("direction", way)), value=UNIT)) for way in ("up", "left")}
                 yield ForcePlace(acts_on, "N", ways)

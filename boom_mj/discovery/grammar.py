@@ -3,7 +3,7 @@
 A term is linear in its coefficients; where it has a shape parameter, such as a period or a threshold, a grid of it is
 looked through first. Formulas are Python, as the file of a law holds them; {x} and {F} stand for the units of the
 place's coordinate and force, {creep} for the speed over which its dry friction changes sign, {middle} for the middle of
-its coordinate's range.
+its coordinate's range, {warm} for that of its temperature's.
 """
 
 from collections.abc import Mapping
@@ -76,6 +76,14 @@ DRIVE = (
     _term("dry_memory", f"lagged(time, {DRY}, tau)", "{F}", TAU),
     _term("after_stop", f"fading(time, {DRY}, tau)", "{F}", TAU),
 )
+WARM = "(temperature - {warm:.9g})"
+WARM_DRIVE = (
+    _term("warm", WARM, "{F}/K"),
+    _term("warm_viscous", f"speed * {WARM}", "{F} s/({x} K)"),
+    _term("warm_dry", f"{DRY} * {WARM}", "{F}/K"),
+    _term("warm_load", f"load * {WARM}", "1/K"),
+)
+"""Of a joint whose temperature is logged, from the middle of its range."""
 """Of what drives: a cylinder, or the joint of any machine."""
 CYLINDER = (*DRIVE, _term("load_angle", "load * angle", "1/rad"))
 SENSOR = (
@@ -86,8 +94,8 @@ SENSOR = (
     _term("drift", "time", "{F}/s"),
     _term("drifting_scale", "reading * time", "1/s"),
 )
-CHANNEL = SENSOR
-IMU = (
+WARM_CHANNEL = (_term("warm", WARM, "{F}/K"), _term("warm_scale", f"reading * {WARM}", "1/K"))
+AXIS = (
     _term("offset", "ones_like(reading)", "{F}"),
     *SENSOR,
     _term("tilt", "angle", "{F}/rad"),
@@ -118,7 +126,7 @@ LINK = (
         Shape("stop", "rad", "threshold"),
     ),
 )
-TIP = (
+POINT = (
     _term("drag", "-|velocity| velocity", "N s^2/m^2"),
     _term("weight", "downwards", "N"),
     _term("inertia", "-acceleration", "kg"),
@@ -137,13 +145,15 @@ BASE = (
 )
 GRAMMARS: Mapping[str, tuple[Term, ...]] = {
     "CylinderLaw": CYLINDER,
-    "JointLaw": DRIVE,
-    "ChannelLaw": CHANNEL,
+    "JointLaw": (*DRIVE, *WARM_DRIVE),
+    "ChannelLaw": (*SENSOR, *WARM_CHANNEL),
     "ActuatorLaw": ACTUATOR,
-    "ImuLaw": IMU,
+    "ImuLaw": AXIS,
+    "MarkerLaw": AXIS,
     "AngleLaw": ANGLE,
     "LinkLaw": LINK,
-    "TipLaw": TIP,
+    "TipLaw": POINT,
+    "MiddleLaw": POINT,
     "BaseLaw": BASE,
 }
 """Terms by the kind of law."""

@@ -44,7 +44,7 @@ class Place:
         acts_on: what the law adds to, for people.
         variables: of the law over the training recordings, (n,) each.
         size: of a law that is worth finding, in its unit.
-        words: what {x}, {F}, {creep}, {middle} of the grammar are here.
+        words: what {x}, {F}, {creep}, {middle}, {warm} of the grammar are here.
         attributes: of the class, such as an IMU's axis.
         sizes: of coefficients whose function is not one of variables.
         channel: signal and column that a sensor's law alters; None of a law that moves the machine.
@@ -53,7 +53,7 @@ class Place:
         sense: the variables in a recording, (n,) each, with their time; None where they are not known beforehand.
     """
 
-    base: type[Effect]
+    base: type[laws.Law]
     site: Site
     acts_on: str
     variables: Mapping[str, Array]
@@ -68,8 +68,13 @@ class Place:
 
     @property
     def terms(self) -> tuple[Term, ...]:
-        """What its grammar has."""
-        return GRAMMARS[self.base.__name__]
+        """Those of its grammar whose variables it knows: a temperature only where it is logged."""
+        warm = "temperature" in self.variables
+        return tuple(
+            term
+            for term in GRAMMARS[self.base.__name__]
+            if warm or not any("temperature" in part.function for part in term.parts)
+        )
 
     @property
     def named(self) -> dict[str, int | str]:
@@ -148,6 +153,7 @@ def law_class(place: Place, terms: Sequence[Term], sizes: Mapping[str, float] | 
         "__doc__": f"{formula}, on {place.acts_on}.",
         "table": table,
         "formula": formula,
+        "variables": {**place.base.variables, **(laws.TEMPERATURE if "temperature" in formula else {})},
         "screening": classmethod(lambda cls, site, lines_hz=(): _points(place, terms[0], table)),
         "combine": classmethod(lambda cls, site, points, weights: _sum(points, weights, [s.name for s in shapes])),
         **place.attributes,

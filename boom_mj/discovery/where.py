@@ -7,7 +7,7 @@ import numpy as np
 
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.discovery.places import Place
-from boom_mj.effects import Effect, Site, laws
+from boom_mj.effects import Site, laws
 from boom_mj.effects.spec_edits import BASE_AXES
 from boom_mj.recording import Signal
 
@@ -19,6 +19,7 @@ SLOW = 0.02  # of its root mean square, the same of a joint's speed
 LOADS = 3.0  # deviations of a channel's noise that a law of it is worth finding
 ANGLE = 5e-3  # rad, of an angle sensor's error
 LEAST = 0.1  # of what a joint's actuator exerts, that a law of it is worth finding
+WARMER = 1.0  # K, by which a temperature must change that a law may be of it
 BEND = 0.02  # rad, slope that a link of the loaded boom gathers
 SHARE = 0.3  # of a link's stiffness at that slope
 STOPS = 4  # thresholds of a link's stop that are tried: each costs a simulation
@@ -26,7 +27,7 @@ FIRST = 2  # terms of a link, a change of stiffness and of rest: they imitate al
 GIVE = 1e-8  # rad/(N m), of what a boom stands on
 BASE = {f"{axis}_{name}": size for axis in BASE_AXES for name, size in (("tilt", 5e-3), ("give", GIVE))}
 STANDS = 4  # terms of the base, its tilts and what it gives, that are looked at before how hard it becomes
-TIP = {"drag": 20.0, "weight": 200.0, "inertia": 20.0}  # N s^2/m^2, N and kg
+POINT = {"drag": 20.0, "weight": 200.0, "inertia": 20.0}  # N s^2/m^2, N and kg
 
 
 class Motions:
@@ -66,7 +67,7 @@ def _thinned(signals: Signals, block_s: float) -> Signals:
     return thin
 
 
-def _cylinder(base: type[Effect], site: Site, motions: Motions) -> Iterator[Place]:
+def _cylinder(base: type[laws.Law], site: Site, motions: Motions) -> Iterator[Place]:
     number, machine = int(site.location["cylinder"]), _machine(motions.model)
 
     def sense(index: int) -> dict[str, Array]:
@@ -80,14 +81,14 @@ def _cylinder(base: type[Effect], site: Site, motions: Motions) -> Iterator[Plac
         yield Place(base, site, f"the force of cylinder {number}", variables, size, words, channel=channel, sense=sense)
 
 
-def _imu(base: type[Effect], site: Site, motions: Motions) -> Iterator[Place]:
+def _imu(base: type[laws.Law], site: Site, motions: Motions) -> Iterator[Place]:
     link, noise = int(site.location["link"]), motions.model.facts.noise
     for sensor, what, unit in (("specific_force", "accelerometer", "m/s^2"), ("angular_rate", "gyroscope", "rad/s")):
         name = f"imu/link{link}/{sensor}"
         for column, axis in enumerate(laws.AXES if name in noise else ""):
 
-            def sense(index: int, sensor: str = sensor, column: int = column) -> dict[str, Array]:
-                return laws.imu_variables(motions.signals(index), link, sensor, column)
+            def sense(index: int, name: str = name, column: int = column) -> dict[str, Array]:
+                return laws.axis_variables(motions.signals(index), name, column, link)
 
             yield Place(
                 base,
@@ -102,7 +103,28 @@ def _imu(base: type[Effect], site: Site, motions: Motions) -> Iterator[Place]:
             )
 
 
-def _angle(base: type[Effect], site: Site, motions: Motions) -> Iterator[Place]:
+def _marker(base: type[laws.Law], site: Site, motions: Motions) -> Iterator[Place]:
+    number, noise = int(site.location["marker"]), motions.model.facts.noise.get("markers", ())
+    for axis, way in enumerate(laws.AXES if len(noise) else ""):
+        column = 3 * number - 3 + axis
+
+        def sense(index: int, column: int = column) -> dict[str, Array]:
+            return laws.axis_variables(motions.signals(index), "markers", column, 1)
+
+        yield Place(
+            base,
+            site,
+            f"the {way} coordinate of marker {number}",
+            motions.trained(sense),
+            LOADS * float(noise[column]),
+            {"F": "m"},
+            {"axis": way},
+            channel=("markers", column),
+            sense=sense,
+        )
+
+
+def _angle(base: type[laws.Law], site: Site, motions: Motions) -> Iterator[Place]:
     joint, data = int(site.location["joint"]), motions.model.data
     signals = [motions.signals(k)["joint/position"] for k in data.trained]
     angle = np.concatenate([signal.values[:, joint - 1] for signal in signals])
@@ -111,7 +133,7 @@ def _angle(base: type[Effect], site: Site, motions: Motions) -> Iterator[Place]:
         yield Place(base, site, f"the angle sensor of joint {joint}", {"angle": angle}, ANGLE, words)
 
 
-def _link(base: type[Effect], site: Site, motions: Motions) -> Iterator[Place]:
+def _link(base: type[laws.Law], site: Site, motions: Motions) -> Iterator[Place]:
     link = _machine(motions.model).links[int(site.location["link"]) - 2]
     bent = BEND / link.length
     sizes = {"linear": SHARE, "offset": SHARE * bent, "square": SHARE / bent, "cube": SHARE / bent**2}
@@ -122,16 +144,17 @@ def _link(base: type[Effect], site: Site, motions: Motions) -> Iterator[Place]:
         yield Place(base, site, acts, slope, 1.0, {}, {"bends": bends}, sizes, thresholds=STOPS, first=FIRST)
 
 
-def _tip(base: type[Effect], site: Site, motions: Motions) -> Iterator[Place]:
-    yield Place(base, site, "the tip", {}, 1.0, {}, sizes=TIP)
+def _point(base: type[laws.Law], site: Site, motions: Motions) -> Iterator[Place]:
+    link = site.location.get("link")
+    yield Place(base, site, f"the middle of link {link}" if link else "the tip", {}, 1.0, {}, sizes=POINT)
 
 
-def _base(base: type[Effect], site: Site, motions: Motions) -> Iterator[Place]:
+def _base(base: type[laws.Law], site: Site, motions: Motions) -> Iterator[Place]:
     if site.location["axes"] == "+".join(BASE_AXES):
         yield Place(base, site, "the base", {}, 1.0, {}, sizes=BASE, first=STANDS)
 
 
-def _joint(base: type[Effect], site: Site, motions: Motions) -> Iterator[Place]:
+def _joint(base: type[laws.Law], site: Site, motions: Motions) -> Iterator[Place]:
     joint, model = str(site.location["joint"]), motions.model
     channels = model.system.channels  # type: ignore[attr-defined]
     drives = [entry.name for entry in channels.role("drive") if entry.joint == joint]
@@ -142,15 +165,18 @@ def _joint(base: type[Effect], site: Site, motions: Motions) -> Iterator[Place]:
         time = np.arange(0.0, line.duration_s, model.data.block_s)
         position = np.interp(time, motion.time - line.start_s, motion.values[:, 0])
         speed = np.gradient(position, model.data.block_s)
-        return {"position": position, "speed": speed, "load": np.full_like(time, site.value), "time": time}
+        known = {"position": position, "speed": speed, "load": np.full_like(time, site.value), "time": time}
+        if warm := channels.temperature(joint):
+            known["temperature"] = np.interp(time, log[warm.name].time - line.start_s, log[warm.name].values[:, 0])
+        return known
 
-    variables = motions.trained(sense)
+    variables = _varied(motions.trained(sense))
     middle = _middle(variables["position"])
-    words = {"x": site.unit, "F": site.force_unit, "creep": SLOW * site.speed, "middle": middle}
+    words = {"x": site.unit, "F": site.force_unit, "creep": SLOW * site.speed, "middle": middle, **_warm(variables)}
     yield Place(base, site, f"what resists joint {joint}", variables, LEAST * site.value, words, sense=sense)
 
 
-def _actuator(base: type[Effect], site: Site, motions: Motions) -> Iterator[Place]:
+def _actuator(base: type[laws.Law], site: Site, motions: Motions) -> Iterator[Place]:
     name, data = str(site.location["actuator"]), motions.model.data
     entries = motions.model.system.channels.role("control")  # type: ignore[attr-defined]
     logged = [entry.name for entry in entries if entry.actuator == name]
@@ -162,16 +188,27 @@ def _actuator(base: type[Effect], site: Site, motions: Motions) -> Iterator[Plac
         yield Place(base, site, f"what the actuator {name} does", variables, LEAST * site.value, words)
 
 
-def _channel(base: type[Effect], site: Site, motions: Motions) -> Iterator[Place]:
+def _channel(base: type[laws.Law], site: Site, motions: Motions) -> Iterator[Place]:
     name = str(site.location["channel"])
 
     def sense(index: int) -> dict[str, Array]:
-        signal = motions.signals(index)[name]
-        return {"reading": signal.values[:, 0], "time": signal.time}
+        return laws.channel_variables(motions.signals(index), name)
 
     size = LOADS * float(motions.model.facts.noise[name][0])
-    variables, words = motions.trained(sense), {"F": site.unit}
+    variables = _varied(motions.trained(sense))
+    words = {"F": site.unit, **_warm(variables)}
     yield Place(base, site, f"the channel {name}", variables, size, words, channel=(name, 0), sense=sense)
+
+
+def _varied(variables: dict[str, Array]) -> dict[str, Array]:
+    """Without a temperature that stays the same."""
+    still = "temperature" in variables and np.ptp(variables["temperature"]) < WARMER
+    return {name: values for name, values in variables.items() if name != "temperature" or not still}
+
+
+def _warm(variables: Mapping[str, Array]) -> dict[str, float]:
+    """The middle of a temperature, where it is known."""
+    return {"warm": _middle(variables["temperature"])} if "temperature" in variables else {}
 
 
 def _middle(values: Array) -> float:
@@ -184,13 +221,15 @@ def _machine(model: Linearisation) -> Any:
     return model.system.machine  # type: ignore[attr-defined]
 
 
-Describe = Callable[[type[Effect], Site, Motions], Iterator[Place]]
-KINDS: Mapping[type[Effect], Describe] = {
+Describe = Callable[[type[laws.Law], Site, Motions], Iterator[Place]]
+KINDS: Mapping[type[laws.Law], Describe] = {
     laws.CylinderLaw: _cylinder,
     laws.ImuLaw: _imu,
+    laws.MarkerLaw: _marker,
     laws.AngleLaw: _angle,
     laws.LinkLaw: _link,
-    laws.TipLaw: _tip,
+    laws.TipLaw: _point,
+    laws.MiddleLaw: _point,
     laws.BaseLaw: _base,
     laws.JointLaw: _joint,
     laws.ChannelLaw: _channel,

@@ -54,7 +54,7 @@ def law_file(found: Discovery, name: str) -> str:
     arrays = sorted(word for word in used if word not in HELPERS)
     imports = [f"from numpy import {', '.join(arrays)}", ""] if arrays else []
     imports += ["from boom_mj.effects import Parameter", f"from boom_mj.effects.laws import {law.place.base.__name__}"]
-    imports[-1] += "".join(f", {word}" for word in helpers)
+    imports[-1] += "".join(f", {word}" for word in (*(["TEMPERATURE"] if _warm(law) else []), *helpers))
     terms = re.split(r" \+ (?![^(]*\))", kind.formula)
     values = {word: f"{value:.{DIGITS}g}" for word, value in effect.values.items()}
     location = [f"{key}={value}" for key, value in law.place.site.location.items()]
@@ -71,12 +71,21 @@ def law_file(found: Discovery, name: str) -> str:
         base=law.place.base.__name__,
         quoted="\n".join(f'        "{part}"' for part in [terms[0], *(f" + {term}" for term in terms[1:])]),
         acts_on=law.place.acts_on,
-        attributes="".join(f'    {key} = "{value}"\n' for key, value in law.place.attributes.items()),
+        attributes="".join(f"    {line}\n" for line in _attributes(law)),
         table="\n".join(_rows(law)),
         law=METHOD.format(arguments=", ".join([*kind.variables, *effect.values]), summed="\n            + ".join(terms))
         if methods
         else "",
     )
+
+
+def _attributes(law: FoundLaw) -> list[str]:
+    lines = [f'{key} = "{value}"' for key, value in law.place.attributes.items()]
+    return [*lines, f"variables = {law.place.base.__name__}.variables | TEMPERATURE"] if _warm(law) else lines
+
+
+def _warm(law: FoundLaw) -> bool:
+    return "temperature" in law_type(law).variables
 
 
 def _rows(law: FoundLaw) -> list[str]:

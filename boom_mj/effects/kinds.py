@@ -46,6 +46,7 @@ class Motion:
         time: (n,), s, from the start of the recording.
         position, speed: of joints by name, (n,).
         load: what the actuators of joints exert, by name, (n,).
+        temperature: of joints by name, (n,), degC, where it is logged.
         machine: the boom's, None of any other MJCF file.
     """
 
@@ -53,6 +54,7 @@ class Motion:
     position: Mapping[str, Array] = field(default_factory=dict)
     speed: Mapping[str, Array] = field(default_factory=dict)
     load: Mapping[str, Array] = field(default_factory=dict)
+    temperature: Mapping[str, Array] = field(default_factory=dict)
     machine: "Machine | None" = None
 
     @property

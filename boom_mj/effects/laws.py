@@ -5,7 +5,7 @@ place - arrays (n,) by name - and the parameters. It vanishes where all paramete
 """
 
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, ClassVar
 
@@ -19,19 +19,21 @@ from boom_mj.effects.kinds import (
     INVERSIONS,
     ActuatorEffect,
     AngleEffect,
-    ChannelEffect,
     ForceEffect,
     ModelEffect,
     Motion,
     OutputEffect,
 )
-from boom_mj.effects.spec_edits import BASE_AXES, add_tip_mass, bent_by, link_hinges, spring_base, tilt_base
+from boom_mj.effects.site import Site
+from boom_mj.effects.spec_edits import BASE_AXES, add_point_mass, bent_by, link_hinges, spring_base, tilt_base
 from boom_mj.machine import Machine, cylinder_lengths
 from boom_mj.recording import Signal
 
 FAR = 10.0  # rad, where no hinge ever is
 BALL, THIN = 1e-3, 1e-6  # m, radius of what feels the fluid, and kg/m^3, its density
 AXES = "xyz"
+TEMPERATURE = {"temperature": "degC"}
+"""A variable of joints and channels of an MJCF machine, where its map has a channel of that role."""
 
 
 def direction(speed: Array, creep: float) -> Array:
@@ -56,6 +58,12 @@ class Law(Effect):
     def silent(self) -> bool:
         """Whether it does nothing."""
         return not any(self.values[name] for name, p in self.declared.items() if p.neutral == 0)
+
+    @classmethod
+    def allowed(cls, sites: Sequence[Site]) -> tuple[Site, ...]:
+        """Where a temperature is logged, if it is of one."""
+        needed = TEMPERATURE.keys() & cls.variables.keys()
+        return tuple(site for site in super().allowed(sites) if needed <= site.tags)
 
 
 class CylinderLaw(Law, OutputEffect):
@@ -92,27 +100,28 @@ def cylinder_variables(signals: Mapping[str, Signal], machine: Machine, column: 
     return {"position": length, "speed": np.gradient(length, time), "load": load, "angle": angle, "time": time}
 
 
-class ImuLaw(Law, OutputEffect):
-    """What one axis of an IMU reads besides; `angle` is that of the joint that turns its link.
+class AxisLaw(Law, OutputEffect):
+    """What one axis of a sensor of a boom reads besides; `angle` is that of the joint that turns it.
 
     Attributes:
-        sensor: "specific_force" or "angular_rate".
         axis: x, y or z.
     """
 
-    at = ("link",)
     needs = frozenset({"boom"})
-    variables = {"reading": "m/s^2", "angle": "rad", "time": "s"}
-    sensor: ClassVar[str] = "specific_force"
+    variables = {"reading": "", "angle": "rad", "time": "s"}
     axis: ClassVar[str] = "x"
+
+    @property
+    @abstractmethod
+    def reads(self) -> tuple[str, int, int]:
+        """Signal, its column, and the joint."""
 
     def observe(self, signals: Mapping[str, Signal], machine: Machine) -> Mapping[str, Signal]:
         if self.silent:
             return {}
-        name, column = f"imu/link{self.location['link']}/{self.sensor}", AXES.index(self.axis)
+        name, column, _ = self.reads
         values = signals[name].values.copy()
-        variables = imu_variables(signals, int(self.location["link"]), self.sensor, column)
-        values[:, column] += self.law(**variables, **self.values)
+        values[:, column] += self.law(**axis_variables(signals, *self.reads), **self.values)
         return {name: replace(signals[name], values=values)}
 
     @abstractmethod
@@ -120,11 +129,37 @@ class ImuLaw(Law, OutputEffect):
         """What it reads too much, (n,), in its unit."""
 
 
-def imu_variables(signals: Mapping[str, Signal], link: int, sensor: str, column: int) -> dict[str, Array]:
-    """Of an axis of an IMU; see `ImuLaw`."""
-    joints, own = signals["joint/position"], signals[f"imu/link{link}/{sensor}"]
-    angle = np.interp(own.time, joints.time, joints.values[:, link - 1])
+def axis_variables(signals: Mapping[str, Signal], name: str, column: int, joint: int) -> dict[str, Array]:
+    """Of a column of a sensor that a joint turns; see `AxisLaw`."""
+    joints, own = signals["joint/position"], signals[name]
+    angle = np.interp(own.time, joints.time, joints.values[:, joint - 1])
     return {"reading": own.values[:, column], "angle": angle, "time": own.time}
+
+
+class ImuLaw(AxisLaw):
+    """What one axis of an IMU reads besides, m/s^2 or rad/s.
+
+    Attributes:
+        sensor: "specific_force" or "angular_rate".
+    """
+
+    at = ("link",)
+    sensor: ClassVar[str] = "specific_force"
+
+    @property
+    def reads(self) -> tuple[str, int, int]:
+        link = int(self.location["link"])
+        return f"imu/link{link}/{self.sensor}", AXES.index(self.axis), link
+
+
+class MarkerLaw(AxisLaw):
+    """What one coordinate of a marker, in the world frame, is read to be besides, m; `angle` is the slewing one."""
+
+    at = ("marker",)
+
+    @property
+    def reads(self) -> tuple[str, int, int]:
+        return "markers", 3 * int(self.location["marker"]) - 3 + AXES.index(self.axis), 1
 
 
 class AngleLaw(Law, AngleEffect):
@@ -176,7 +211,7 @@ class LinkLaw(Law, ModelEffect):
 
 
 class TipLaw(Law, ModelEffect, ForceEffect):
-    """A force on the tip: a constant one downwards, inertia, and drag against the tip's velocity, c |v| v.
+    """A force on the tip: a constant one downwards, inertia, and drag against its velocity, c |v| v.
 
     Its table holds any of `weight` (N), `inertia` (kg, not negative) and `drag` (N s^2/m^2). What has inertia and no
     weight is a body whose gravity is compensated. MuJoCo's drag of an ellipsoid in a fluid is the drag: rho C A = c, so
@@ -189,21 +224,34 @@ class TipLaw(Law, ModelEffect, ForceEffect):
     variables = {"velocity": "m/s", "acceleration": "m/s^2"}
     unit = "N"
 
+    def point(self, machine: Machine) -> str:
+        """Name of the site on which it acts."""
+        return "tip"
+
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
+        point = spec.site(self.point(machine))
         if (inertia := self.values.get("inertia", 0.0)) > 0:
-            add_tip_mass(spec, "inertia", inertia, gravcomp=1.0)
+            add_point_mass(point, f"{point.name}_inertia", inertia, gravcomp=1.0)
         if not (drag := self.values.get("drag", 0.0)):
             return
         spec.option.density = THIN
         spec.option.integrator = mujoco.mjtIntegrator.mjINT_EULER  # see above
-        tip = spec.site("tip")
-        ball = tip.parent.add_geom(name="ball", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[BALL, 0, 0], pos=tip.pos)
+        ball = point.parent.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[BALL, 0, 0], pos=point.pos)
         ball.mass, ball.contype, ball.conaffinity, ball.fluid_ellipsoid = 0.0, 0, 0, 1.0
         ball.fluid_coefs = [drag / (THIN * np.pi * BALL**2), 0.0, 0.0, 0.0, 0.0]
 
     def force(self, motion: Motion) -> Mapping[str, Array]:
         down = np.tile([0.0, 0.0, -self.values.get("weight", 0.0)], (len(motion.time), 1))
-        return {"tip": down} if self.values.get("weight") else {}
+        return {self.point(motion.boom): down} if self.values.get("weight") else {}
+
+
+class MiddleLaw(TipLaw):
+    """The same on the middle of a link, where its middle marker is."""
+
+    at = ("link",)
+
+    def point(self, machine: Machine) -> str:
+        return machine.middle_marker(int(self.location["link"]))
 
 
 class BaseLaw(Law, ModelEffect):
@@ -229,7 +277,10 @@ class BaseLaw(Law, ModelEffect):
 
 
 class JointLaw(Law, ForceEffect):
-    """What resists the motion of a joint of any MJCF machine; `load` is what its actuator exerts without it."""
+    """What resists the motion of a joint of any MJCF machine; `load` is what its actuator exerts without it.
+
+    Where its `variables` hold TEMPERATURE, it is where that is logged.
+    """
 
     at = ("joint",)
     needs = frozenset({"mjcf", "measured"})
@@ -238,6 +289,8 @@ class JointLaw(Law, ForceEffect):
     def force(self, motion: Motion) -> Mapping[str, Array]:
         joint = str(self.location["joint"])
         variables = {"position": motion.position[joint], "speed": motion.speed[joint], "load": motion.load[joint]}
+        if "temperature" in self.variables:
+            variables["temperature"] = motion.temperature[joint]
         return {joint: -self.law(**variables, time=motion.time, **self.values)}
 
     @abstractmethod
@@ -264,18 +317,28 @@ class ActuatorLaw(Law, ActuatorEffect):
         """What is done less what is commanded, (n,)."""
 
 
-class ChannelLaw(Law, ChannelEffect):
-    """What a compared channel of any MJCF machine reads besides."""
+class ChannelLaw(Law, OutputEffect):
+    """What a compared channel of any MJCF machine reads besides; see `JointLaw` of a temperature."""
 
+    at = ("channel",)
     needs = frozenset({"mjcf", "compared"})
     variables = {"reading": "", "time": "s"}
 
-    def apply(self, time: Array, true: Array) -> Array:
-        return true if self.silent else true + self.law(reading=true, time=time, **self.values)
-
-    def invert(self, time: Array, read: Array) -> Array:
-        return read if self.silent else read - self.law(reading=read, time=time, **self.values)
+    def observe(self, signals: Mapping[str, Signal], machine: Any) -> Mapping[str, Signal]:
+        if self.silent:
+            return {}
+        name = str(self.location["channel"])
+        known = {key: value for key, value in channel_variables(signals, name).items() if key in self.variables}
+        values = signals[name].values + self.law(**known, **self.values)[:, None]
+        return {name: replace(signals[name], values=values)}
 
     @abstractmethod
     def law(self, **variables: Any) -> Array:
         """What it reads too much, (n,), in its unit."""
+
+
+def channel_variables(signals: Mapping[str, Signal], name: str) -> dict[str, Array]:
+    """Of a channel; see `ChannelLaw`."""
+    found = {"reading": signals[name].values[:, 0], "time": signals[name].time}
+    warm = signals.get(f"temperature/{name}")
+    return found if warm is None else {**found, "temperature": warm.values[:, 0]}

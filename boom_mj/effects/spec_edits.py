@@ -200,11 +200,10 @@ def add_mass(spec: mujoco.MjSpec, body: str, mass: float) -> None:
     load.mass, load.ipos, load.inertia, load.explicitinertial = mass, np.zeros(3), np.full(3, mass * 4e-7), True
 
 
-def add_tip_mass(spec: mujoco.MjSpec, name: str, mass: float, gravcomp: float = 0.0) -> None:
-    """A point mass (some cm) on a boom's tip, of whose weight a share is compensated."""
-    tip = spec.site("tip")
-    load = tip.parent.add_body(name=name, explicitinertial=True, gravcomp=gravcomp)
-    load.mass, load.ipos, load.inertia = mass, tip.pos, [1e-3, 1e-3, 1e-3]
+def add_point_mass(site: mujoco.MjsSite, name: str, mass: float, gravcomp: float = 0.0) -> None:
+    """A point mass (some cm) on a site, of whose weight a share is compensated."""
+    load = site.parent.add_body(name=name, explicitinertial=True, gravcomp=gravcomp)
+    load.mass, load.ipos, load.inertia = mass, site.pos, [1e-3, 1e-3, 1e-3]
 
 
 def turn_gravity(spec: mujoco.MjSpec, roll: float, pitch: float) -> None:

@@ -247,6 +247,11 @@ class Machine(Frozen):
         second = ((p.cylinder2.x, p.cylinder2.mass), (p.cylinder3.x, p.cylinder3.mass), (0.0, p.joint3))
         return second, ((0.0, p.joint4),), ((0.0, p.joint5),), ()
 
+    def middle_marker(self, link: int) -> str:
+        """Name of the marker in the middle of those of a link."""
+        each = len(self.sensors.markers_x)
+        return f"marker{each * (link - 2) + each // 2 + 1}"
+
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
         for index, link in enumerate(self.link):

@@ -1,6 +1,7 @@
 """A law that no library has comes back as its formula: cogging of a drive, from a table and a channel map."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -42,23 +43,35 @@ actuator = "motor"
 field = "force"
 unit = "N"
 """
+WARM = """
+[[channel]]
+name = "gearbox"
+role = "temperature"
+joint = "slide"
+field = "gearbox"
+unit = "degC"
+"""
 AMPLITUDE, PERIOD = 12.0, 0.11
+GREASE, THINNING = 40.0, 0.8  # N s/m at 35 degC, and how much less per K
 
 pytestmark = pytest.mark.usefixtures("own_files")
 
 
-def measured(folder: Path, cogging: float) -> list[str]:
-    """A log, and the words of the command line that come with it."""
+def measured(folder: Path, cogging: float, warm: bool = False) -> list[str]:
+    """A log, and the words of the command line that come with it; of a carriage whose grease thins as it warms."""
     rng, time = np.random.default_rng(0), np.arange(0.0, 24.0, 0.002)
     rate = 2 * np.pi * np.array([0.21, 0.53])
     size = np.array([0.25, 0.08])
     position = np.sin(np.outer(time, rate)) @ size
     force = -50 * np.sin(np.outer(time, rate)) @ (size * rate**2)
     force += cogging * np.sin(2 * np.pi * position / PERIOD + 0.4) + 0.5 * rng.standard_normal(len(time))
-    rows = np.column_stack([time, position + 1e-6 * rng.standard_normal(len(time)), force])
-    np.savetxt(folder / "log.csv", rows, delimiter=",", header="time,position,force", comments="", fmt="%.8f")
+    gearbox = np.round(35 + 8 * np.sin(0.9 * time + 1) + 0.3 * time)
+    if warm:
+        force += (GREASE - THINNING * (gearbox - 35)) * (np.cos(np.outer(time, rate)) @ (size * rate))
+    rows = np.column_stack([time, position + 1e-6 * rng.standard_normal(len(time)), force, gearbox])
+    np.savetxt(folder / "log.csv", rows, delimiter=",", header="time,position,force,gearbox", comments="", fmt="%.8f")
     (folder / "model.xml").write_text(MODEL)
-    (folder / "map.toml").write_text(MAP)
+    (folder / "map.toml").write_text(MAP + WARM * warm)
     return ["gap", "discover", str(folder / "log.csv"), "--map", str(folder / "map.toml")]
 
 
@@ -83,6 +96,22 @@ def test_cogging_comes_back_as_a_ripple(tmp_path: Path, capsys: pytest.CaptureFi
     again = json.loads(run(["gap", "diagnose", *words[2:], "--effects", str(law), "--json", "-"], capsys))
     GapDiagnose.model_validate(again)
     assert [effect["id"] for effect in again["effects"]] == ["cogging"], again["sentence"]
+
+
+def test_grease_that_thins_as_it_warms_comes_back_as_a_law_of_temperature(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words, law = measured(tmp_path, 0.0, warm=True), tmp_path / "grease.py"
+    found = json.loads(run([*words, "--json", "-", "-o", str(law), "--html", str(tmp_path / "page.html")], capsys))
+    assert found["verdict"] == "law" and found["law"]["place"] == {"joint": "slide"}, found["sentence"]
+    assert set(found["law"]["terms"]) == {"viscous", "warm_viscous"}
+    size = {name: p["value"] for name, p in found["law"]["parameters"].items()}
+    assert size["warm_viscous"] == pytest.approx(-THINNING, rel=0.1)
+    middle = float(re.search(r"temperature - ([\d.]+)", found["law"]["formula"])[1])  # type: ignore[index]
+    assert size["viscous"] == pytest.approx(GREASE - THINNING * (middle - 35), rel=0.05)
+    assert found["gap"]["closure"] > 0.95
+    again = json.loads(run(["gap", "diagnose", *words[2:], "--effects", str(law), "--json", "-"], capsys))
+    assert [effect["id"] for effect in again["effects"]] == ["grease"], again["sentence"]
 
 
 def test_without_time_it_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

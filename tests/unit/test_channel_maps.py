@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
+from boom_mj.effects import Parameter
+from boom_mj.effects.laws import TEMPERATURE, ChannelLaw
 from boom_mj.errors import ChannelMapError, LogError
 from boom_mj.logs.columns import read_columns
 from boom_mj.systems.mjcf import load_mjcf
@@ -25,11 +27,16 @@ channel = [
 """
 
 
+WARM = '{{name = "{}", role = "temperature", joint = "swing", field = "q"}}'
+
+
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
         ('name = "u"', 'name = "q"', "several channels are called q"),
-        ('role = "compare"', 'role = "judge"', "'drive', 'control' or 'compare'"),
+        ('role = "compare"', 'role = "judge"', "'drive', 'control', 'compare' or 'temperature'"),
+        ('role = "drive", joint = "swing"', 'role = "temperature", actuator = "motor"', "it may name a joint, nothing"),
+        ("channel = [", f"channel = [{WARM.format('a')}, {WARM.format('b')},", "the temperature of swing"),
         ('actuator = "motor"', 'actuator = "motor", joint = "swing"', "just one of joint, actuator and sensor"),
         ('field = "u"', "scale = 2", "either a field or terms"),
         ('joint = "swing"', 'actuator = "motor"', "must name a joint"),
@@ -98,3 +105,26 @@ def test_bodies_and_joints_without_a_name_get_their_numbers(tmp_path: Path) -> N
     model = load_model(tmp_path / "arm.xml").compile()
     assert [model.body(k).name for k in range(model.nbody)] == ["world", "body 1", "hand"]
     assert [model.joint(k).name for k in range(model.njnt)] == ["joint 0", "joint 1"]
+
+
+class WarmGauge(ChannelLaw):
+    """A gauge whose gain follows its joint's temperature."""
+
+    id = "test_warm_gauge"
+    variables = ChannelLaw.variables | TEMPERATURE
+    table = {"gain": Parameter("1/K", 0.0, -1.0, 1.0, 0.1)}
+
+    def law(self, reading: np.ndarray, time: np.ndarray, temperature: np.ndarray, gain: float) -> np.ndarray:
+        return gain * temperature * reading
+
+
+def test_a_channel_reads_as_its_joints_logged_temperature_says(tmp_path: Path) -> None:
+    path = files(tmp_path, GOOD.replace("channel = [", f"channel = [{WARM.format('heat')},"))
+    system, data = load_mjcf([tmp_path / "log.csv"], [], path)
+    (site,) = WarmGauge.allowed(system.sites())
+    log = data.recordings[1]
+    dense = system.simulate((), system.facts.fidelity.rough, log)
+    heard = system.observe((WarmGauge(site, gain=0.1),), dense)["u"]
+    warm = np.sin(heard.time + log["start"].time[0])[:, None]  # what the log has as temperature
+    np.testing.assert_allclose(heard.values, dense["u"].values * (1 + 0.1 * warm), atol=1e-4)
+    assert set(data.recordings[0].signals) >= {"heat"} and "heat" not in system.facts.noise

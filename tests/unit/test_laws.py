@@ -9,7 +9,7 @@ import pytest
 from boom_mj.discovery import where
 from boom_mj.discovery.grammar import GRAMMARS
 from boom_mj.discovery.places import Place, law_class, value_of
-from boom_mj.effects import BOOM_SITES, ModelEffect, Parameter, Site, laws, load_effects, make_effect
+from boom_mj.effects import BOOM_SITES, ModelEffect, Motion, Parameter, Site, laws, load_effects, make_effect
 from boom_mj.errors import EffectError
 from boom_mj.machine import Machine, load_machine
 from boom_mj.recording import Signal
@@ -37,6 +37,20 @@ class Load(laws.TipLaw):
     table = {"weight": Parameter("N", 0.0, -1e5, 1e5, 200.0), "inertia": Parameter("kg", 0.0, 0.0, 1e4, 20.0)}
 
 
+class DragOfMiddle(laws.MiddleLaw):
+    """Drag of the middle of a link."""
+
+    id = "test_drag_of_middle"
+    table = Drag.table
+
+
+class LoadOnMiddle(laws.MiddleLaw):
+    """A mass on the middle of a link."""
+
+    id = "test_load_on_middle"
+    table = Load.table
+
+
 class Hard(laws.LinkLaw):
     """A link that hardens, is stiffer and rests bent, and its stop."""
 
@@ -62,10 +76,11 @@ class Ground(laws.BaseLaw):
     }
 
 
-def test_drag_takes_the_power_of_its_formula() -> None:
-    """The tip moves at v, so the fluid takes c v^3: an independent way to what MuJoCo does with an ellipsoid."""
+@pytest.mark.parametrize(("kind", "at", "point"), [(Drag, Site(), "tip"), (DragOfMiddle, site(link=4), "marker8")])
+def test_drag_takes_the_power_of_its_formula(kind: type[laws.TipLaw], at: Site, point: str) -> None:
+    """The point moves at v, so the fluid takes c v^3: an independent way to what MuJoCo does with an ellipsoid."""
     drag = 80.0
-    plain, plant = (make_plant(load_machine("boom36"), 2, effects) for effects in ((), (Drag(Site(), drag=drag),)))
+    plain, plant = (make_plant(load_machine("boom36"), 2, effects) for effects in ((), (kind(at, drag=drag),)))
     rng = np.random.default_rng(0)
     qpos, qvel = 0.1 * rng.standard_normal(plant.model.nq), 0.1 * rng.standard_normal(plant.model.nv)
     power = []
@@ -74,7 +89,7 @@ def test_drag_takes_the_power_of_its_formula() -> None:
         data.qpos[:], data.qvel[:] = qpos, qvel
         mujoco.mj_forward(one.model, data)
         power.append(float(data.qfrc_passive @ qvel))
-        mujoco.mj_jacSite(one.model, data, jacobian, None, one.model.site("tip").id)
+        mujoco.mj_jacSite(one.model, data, jacobian, None, one.model.site(point).id)
     speed = float(np.linalg.norm(jacobian @ qvel))
     assert power[1] - power[0] == pytest.approx(-drag * speed**3, rel=1e-4)
 
@@ -115,6 +130,19 @@ def test_weight_and_inertia_are_a_payload() -> None:
 
 def site_body(plant: Plant) -> int:
     return int(plant.model.site("tip").bodyid[0])
+
+
+def test_a_weight_on_a_middle_marker_turns_its_joint_by_the_lever() -> None:
+    plant = make_plant(load_machine("boom36"), 2)
+    data, motion, torque = mujoco.MjData(plant.model), Motion(np.zeros(1), machine=plant.machine), []
+    mujoco.mj_forward(plant.model, data)
+    for law in (Load(Site(), weight=500.0), LoadOnMiddle(site(link=5), weight=500.0)):
+        ((name, force),) = law.force(motion).items()
+        at, turned = plant.model.site(name), np.zeros(plant.model.nv)
+        mujoco.mj_applyFT(plant.model, data, force[0], np.zeros(3), data.site(name).xpos, int(at.bodyid[0]), turned)
+        torque.append(turned[plant.model.joint("joint5").dofadr[0]])
+    lever = 1 + plant.machine.sensors.markers_x[1]
+    assert torque[0] and torque[1] == pytest.approx(lever * torque[0], rel=1e-6)
 
 
 def test_link_law_bends_as_its_formula() -> None:
@@ -161,9 +189,55 @@ def test_a_ripples_period_does_not_move_with_its_phase() -> None:
     assert left @ left > 0.9 * moved @ moved
 
 
-@pytest.mark.parametrize("kind", [Drag, Ground, Hard, Load])
+@pytest.mark.parametrize("kind", [Drag, DragOfMiddle, Ground, Hard, Load, LoadOnMiddle])
 def test_laws_of_effects_hold(kind: type) -> None:
     check_effect(kind, machine=load_machine("boom36"))
+
+
+class Slope(laws.MarkerLaw):
+    """A tracker whose scale is wrong upwards."""
+
+    id = "test_slope"
+    axis = "z"
+    table = {"scale": Parameter("1", 0.0, -1.0, 1.0, 0.01)}
+
+    def law(self, reading: np.ndarray, angle: np.ndarray, time: np.ndarray, scale: float) -> np.ndarray:
+        return scale * reading
+
+
+def test_a_marker_law_alters_one_coordinate_of_one_marker() -> None:
+    check_effect(Slope)
+    time = np.arange(5.0)
+    points = np.arange(5 * 36.0).reshape(5, 36)
+    signals = {
+        "joint/position": Signal(time, np.zeros((5, 5)), tuple("12345"), "rad", ""),
+        "markers": Signal(time, points, tuple(map(str, range(36))), "m", ""),
+    }
+    added = Slope(site(marker=4), scale=0.1).observe(signals, load_machine("boom36"))["markers"].values - points
+    assert np.flatnonzero(added.any(axis=0)).tolist() == [11]
+    np.testing.assert_allclose(added[:, 11], 0.1 * points[:, 11])
+
+
+class Warming(laws.JointLaw):
+    """Grease that thins as it warms."""
+
+    id = "test_warming"
+    variables = laws.JointLaw.variables | laws.TEMPERATURE
+    table = {"thinning": Parameter("N s/(m K)", 0.0, -1.0, 1.0, 0.01)}
+
+    def law(self, speed: np.ndarray, temperature: np.ndarray, thinning: float, **others: np.ndarray) -> np.ndarray:
+        return thinning * speed * (temperature - 30)
+
+
+def test_a_law_of_temperature_is_only_where_one_is_logged() -> None:
+    cold, warm = (Site((("joint", name),), frozenset({"mjcf", "measured", *tags})) for name, tags in WARM.items())
+    assert Warming.allowed([cold, warm]) == (warm,)
+    time = np.arange(3.0)
+    motion = Motion(time, {"b": time}, {"b": 2 + time}, {"b": time}, {"b": 30 + time})
+    np.testing.assert_allclose(Warming(warm, thinning=0.5).force(motion)["b"], -0.5 * (2 + time) * time)
+
+
+WARM = {"a": (), "b": ("temperature",)}
 
 
 @pytest.mark.parametrize("name", [name for name in GRAMMARS if hasattr(getattr(laws, name), "law")])
@@ -171,8 +245,9 @@ def test_every_term_is_a_law_that_vanishes(name: str) -> None:
     """What a term adds is its formula times its coefficients, and nothing where these are 0."""
     base, rng = getattr(laws, name), np.random.default_rng(1)
     time = np.arange(200) * 0.1
-    variables = {word: time if word == "time" else rng.uniform(0.5, 1.5, 200) for word in base.variables}
-    words = {"x": "m", "F": "N", "creep": 1e-3, "middle": 1.0}
+    known = [*base.variables, "temperature"]
+    variables = {word: time if word == "time" else rng.uniform(0.5, 1.5, 200) for word in known}
+    words = {"x": "m", "F": "N", "creep": 1e-3, "middle": 1.0, "warm": 1.0}
     place = Place(base, Site((("cylinder", 2),)), "a place", variables, 100.0, words)
     for term in GRAMMARS[name]:
         kind = law_class(place, (term,))

@@ -3,7 +3,7 @@
 import mujoco
 
 from boom_mj.effects import ModelEffect, Parameter
-from boom_mj.effects.spec_edits import add_tip_mass
+from boom_mj.effects.spec_edits import add_point_mass
 from boom_mj.machine import Machine
 
 
@@ -18,4 +18,4 @@ class TipPayload(ModelEffect):
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         if mass := self.values["mass"]:
-            add_tip_mass(spec, "payload", mass)
+            add_point_mass(spec.site("tip"), "payload", mass)

@@ -15,7 +15,12 @@ from boom_mj.systems.mjcf import MjcfSystem
 from boom_mj.systems.mjcf.rollout import joint_of
 from boom_mj.systems.mjcf.sites import links
 
-ROLES = {"drive": "its measured motion drives", "control": "commanded", "compare": "judged"}
+ROLES = {
+    "drive": "its measured motion drives",
+    "control": "commanded",
+    "compare": "judged",
+    "temperature": "its temperature",
+}
 
 
 @dataclass(frozen=True)

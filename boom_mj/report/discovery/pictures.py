@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from boom_mj.discovery import Discovery
 from boom_mj.discovery.search import FoundLaw
+from boom_mj.discovery.writing import law_type
 from boom_mj.report.colours import CORRECTED, MEASURED, NOMINAL
 from boom_mj.report.drawing import draw, gap_axis
 
@@ -61,12 +62,12 @@ def over_variables(found: Discovery, law: FoundLaw, rows: list[Missing]) -> Mark
     values: dict[str, list[Array]] = {}
     for row in rows:
         sensed = law.place.sense(row.recording)
-        for name in law.place.base.variables:  # type: ignore[attr-defined]
+        for name in law_type(law).variables:
             values.setdefault(name, []).append(np.interp(row.time, sensed["time"], sensed[name]))
     values = {name: parts for name, parts in values.items() if np.ptp(np.concatenate(parts)) > 0}
     lacking, does = (np.concatenate([getattr(row, name) for row in rows]) for name in ("lacking", "law"))
     here = {"position": "{x}", "speed": "{x}/s", "load": "{F}", "reading": "{F}"} if law.place.words else {}
-    given = law.place.base.variables  # type: ignore[attr-defined]
+    given = law_type(law).variables
     units = {**given, **{name: law.place.text(unit) for name, unit in here.items() if not given.get(name)}}
 
     def paint(figure: Figure) -> None:

@@ -13,8 +13,8 @@ from boom_mj.errors import ChannelMapError, shown
 from boom_mj.files import parse_toml, read_text
 from boom_mj.machine.fields import NonNegative, Positive
 
-Role = Literal["drive", "control", "compare"]
-Quantity = Literal["position", "velocity", "force", "command", "sensor"]
+Role = Literal["drive", "control", "compare", "temperature"]
+Quantity = Literal["position", "velocity", "force", "command", "sensor", "temperature"]
 
 
 class ChannelEntry(BaseModel):
@@ -23,8 +23,9 @@ class ChannelEntry(BaseModel):
     Attributes:
         name: as the answer calls it.
         role: "drive": measured motion that a joint is made to follow; "control": command of an actuator; "compare":
-            what the model must say.
-        joint, actuator, sensor: what it belongs to in the MJCF file, just one of them.
+            what the model must say; "temperature": what laws may depend on.
+        joint, actuator, sensor: what it belongs to in the MJCF file, just one of them; of a temperature a joint, or
+            nothing where it is the whole machine's.
         component: of the sensor.
         field: of the log.
         terms: instead of a field, a sum of fields by their factors.
@@ -59,7 +60,10 @@ class ChannelEntry(BaseModel):
 
     @model_validator(mode="after")
     def _fits(self) -> Self:
-        if sum(map(bool, (self.joint, self.actuator, self.sensor))) != 1:
+        if self.role == "temperature":
+            if self.actuator or self.sensor:
+                raise ValueError(f"channel '{self.name}' is a temperature: it may name a joint, nothing else")
+        elif sum(map(bool, (self.joint, self.actuator, self.sensor))) != 1:
             raise ValueError(f"channel '{self.name}' needs just one of joint, actuator and sensor")
         if bool(self.field) == bool(self.terms):
             raise ValueError(f"channel '{self.name}' needs either a field or terms")
@@ -76,10 +80,9 @@ class ChannelEntry(BaseModel):
     @property
     def allowed(self) -> tuple[str, ...]:
         """Quantities that go with the role and the place."""
-        if self.role == "drive":
-            return ("position",)
-        if self.role == "control":
-            return ("command",)
+        of_role = {"drive": "position", "control": "command", "temperature": "temperature"}
+        if self.role in of_role:
+            return (of_role[self.role],)
         return ("sensor",) if self.sensor else ("force",) if self.actuator else ("position", "velocity")
 
     @property
@@ -89,6 +92,11 @@ class ChannelEntry(BaseModel):
     @property
     def fields(self) -> tuple[str, ...]:
         return (self.field,) if self.field else tuple(self.terms)
+
+    @property
+    def sensed(self) -> bool:
+        """Whether it is a reading that the model follows or must predict."""
+        return self.role in ("drive", "compare")
 
     @property
     def place(self) -> str:
@@ -172,6 +180,9 @@ class ChannelMap(BaseModel):
         names = [entry.name for entry in self.channel]
         if twice := sorted({name for name in names if names.count(name) > 1}):
             raise ValueError(f"several channels are called {', '.join(twice)}")
+        warm = [entry.joint for entry in self.role("temperature")]
+        if twice := sorted({joint or "the machine" for joint in warm if warm.count(joint) > 1}):
+            raise ValueError(f"several channels are the temperature of {', '.join(twice)}")
         if not self.role("compare"):
             raise ValueError('no channel has role = "compare": there is nothing to judge by')
         if self.settle >= self.window:
@@ -187,6 +198,11 @@ class ChannelMap(BaseModel):
     def role(self, role: Role) -> tuple[ChannelEntry, ...]:
         """The channels of a role."""
         return tuple(entry for entry in self.channel if entry.role == role)
+
+    def temperature(self, joint: str) -> ChannelEntry | None:
+        """That of a joint, or of the machine; None where neither is logged."""
+        own = {entry.joint: entry for entry in self.role("temperature")}
+        return own.get(joint) or own.get("")
 
     @property
     def block_s(self) -> float:

@@ -35,7 +35,7 @@ def inputs_of(
         speed = np.gradient(position, time)
         own = (a for a in command if joint_of(spec, a) == joint)
         load = sum((exerted(spec, a, command[a], position, speed) for a in own), np.zeros(len(time)))
-        moving = Motion(time, {joint: position}, {joint: speed}, {joint: load})
+        moving = _moving(channels, joint, log, time, position, speed, load)
         force[joint] = np.sum([effect.force(moving)[joint] for effect in _forces(hypothesis, joint)], axis=0)
     start = {
         name.removeprefix("start/"): (float(signal.values[0, 0]), float(signal.values[0, 1]))
@@ -58,7 +58,13 @@ def exerted(spec: mujoco.MjSpec, actuator: str, command: Array, position: Array,
 
 
 def said(
-    entry: ChannelEntry, run: Run, model: mujoco.MjModel, spec: mujoco.MjSpec, channels: ChannelMap, effects: Hypothesis
+    entry: ChannelEntry,
+    run: Run,
+    model: mujoco.MjModel,
+    spec: mujoco.MjSpec,
+    channels: ChannelMap,
+    effects: Hypothesis,
+    log: Recording,
 ) -> Array:
     """What a run says in a compared channel, (n,), before the channel's own effects."""
     if entry.sensor:
@@ -71,11 +77,34 @@ def said(
         return run.force[entry.actuator]
     force = run.force[joint]
     for effect in _forces(effects, joint):
-        moving = Motion(run.time, {joint: run.position[joint]}, {joint: run.velocity[joint]}, {joint: force})
+        moving = _moving(channels, joint, log, run.time, run.position[joint], run.velocity[joint], force)
         force = force - effect.force(moving)[joint]
     for motor in reversed(_at(effects, "actuator", entry.actuator)):
         force = motor.invert(run.time, force)
     return force
+
+
+def joint_moved(spec: mujoco.MjSpec, entry: ChannelEntry) -> str:
+    """The joint that a channel belongs to, "" if to none."""
+    return joint_of(spec, entry.actuator) if entry.actuator else entry.joint
+
+
+def temperature(channels: ChannelMap, joint: str, log: Recording, time: Array) -> Array | None:
+    """Of a joint, (n,), at times from a stretch's beginning; None where none is logged."""
+    entry = channels.temperature(joint)
+    if entry is None:
+        return None
+    own = log[entry.name]
+    return np.interp(time, own.time - log["start"].time[0], own.values[:, 0])
+
+
+def _moving(
+    channels: ChannelMap, joint: str, log: Recording, time: Array, position: Array, speed: Array, load: Array
+) -> Motion:
+    """How one joint moves, as effects see it."""
+    warm = temperature(channels, joint, log, time)
+    own = {} if warm is None else {joint: warm}
+    return Motion(time, {joint: position}, {joint: speed}, {joint: load}, own)
 
 
 def pushed(hypothesis: Hypothesis, channels: ChannelMap) -> tuple[str, ...]:

@@ -10,6 +10,7 @@ from boom_mj.effects.spec_edits import BRAKE
 from boom_mj.engine import mass_matrix
 from boom_mj.recording import Recording
 from boom_mj.systems.mjcf.channel_map import ChannelMap
+from boom_mj.systems.mjcf.readout import joint_moved
 from boom_mj.systems.mjcf.rollout import Run, joint_of
 
 Array = np.ndarray
@@ -30,7 +31,7 @@ def sites_of(
         *(_site("elastic", link=name) for name in sorted(links(spec))),
         *_bodies(spec),
         *_actuators(spec, channels, logs),
-        *_channels(channels, logs),
+        *_channels(spec, channels, logs),
         _site(*(("heavy",) if heavy else ())),
     )
 
@@ -78,6 +79,7 @@ def _joints(
             "actuated": name in actuated,
             "sprung": bool(stiffness),
             "rubbing": bool(model.dof_frictionloss[dof]),
+            "temperature": channels.temperature(name) is not None,
             "outermost": model.body_jntnum[_behind(model, int(joint.bodyid[0]))].sum() == 1,
         }
         yield Site(
@@ -142,12 +144,13 @@ def _actuators(spec: mujoco.MjSpec, channels: ChannelMap, logs: Sequence[Recordi
             yield Site(key, frozenset({"mjcf"}), unit=entry.unit, value=size, step=_step(entry.name, logs))
 
 
-def _channels(channels: ChannelMap, logs: Sequence[Recording]) -> Iterator[Site]:
+def _channels(spec: mujoco.MjSpec, channels: ChannelMap, logs: Sequence[Recording]) -> Iterator[Site]:
     for entry in channels.channel:
-        if entry.role != "control":
+        if entry.sensed:
             values = _logged(entry.name, logs)
             tags = {"mjcf", "compared" if entry.role == "compare" else "driving"}
             tags |= set() if entry.actuator else {"motion"}
+            tags |= {"temperature"} if channels.temperature(joint_moved(spec, entry)) else set()
             size = max(float(np.std(values[np.isfinite(values)])), TINY)
             key = (("channel", entry.name),)
             yield Site(key, frozenset(tags), unit=entry.unit, value=size, step=_step(entry.name, logs))

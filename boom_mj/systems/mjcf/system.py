@@ -12,7 +12,7 @@ from boom_mj.recording import Recording, Signal
 from boom_mj.systems.fidelity import FidelityLadder, Level, Refinement
 from boom_mj.systems.mjcf.channel_map import ChannelMap
 from boom_mj.systems.mjcf.checking import check
-from boom_mj.systems.mjcf.readout import inputs_of, pushed, said
+from boom_mj.systems.mjcf.readout import inputs_of, joint_moved, pushed, said, temperature
 from boom_mj.systems.mjcf.rollout import Run, drivable, simulate
 from boom_mj.systems.mjcf.segments import smoothed
 from boom_mj.systems.mjcf.settings import with_settings
@@ -83,7 +83,7 @@ class MjcfSystem:
     def nuisances(self) -> tuple[Nuisance, ...]:
         """Zero offsets, of the channels that are given one."""
         entries = [entry for entry in self.channels.channel if entry.zero and not entry.actuator]
-        offsets = ({"channel": entry.name, "offset": entry.zero} for entry in entries if entry.role != "control")
+        offsets = ({"channel": entry.name, "offset": entry.zero} for entry in entries if entry.sensed)
         return tuple(Nuisance((make_effect("sensor_offset", offset, self._sites),), 1.0) for offset in offsets)
 
     def timeline(self, log: Recording) -> Timeline:
@@ -102,12 +102,15 @@ class MjcfSystem:
     def simulate(self, hypothesis: Hypothesis, level: Level, log: Recording) -> dict[str, Signal]:
         run, found = self.run(hypothesis, level, log), {}
         for entry in self.channels.role("compare"):
-            values = said(entry, run, self._model((), BASE), self.spec, self.channels, hypothesis)
+            values = said(entry, run, self._model((), BASE), self.spec, self.channels, hypothesis, log)
             if entry.relative:
                 values = values - values[0]
             if self.channels.driven:
                 values = smoothed(run.time, values, self.channels.compared_cutoff)
             found[entry.name] = Signal(run.time, values[:, None], (entry.name,), "1", entry.place)
+            warm = temperature(self.channels, joint_moved(self.spec, entry), log, run.time)
+            if warm is not None:
+                found[f"temperature/{entry.name}"] = Signal(run.time, warm[:, None], (entry.name,), "degC", entry.place)
         return found
 
     def observe(self, hypothesis: Hypothesis, dense: Mapping[str, Signal]) -> dict[str, Signal]:
