@@ -1,7 +1,5 @@
 """Laws do what their formulas say: in MuJoCo, in sensors, and written to a file and read again."""
 
-from pathlib import Path
-
 import mujoco
 import numpy as np
 import pytest
@@ -9,8 +7,8 @@ import pytest
 from boom_mj.discovery import where
 from boom_mj.discovery.grammar import GRAMMARS
 from boom_mj.discovery.places import Place, law_class, value_of
-from boom_mj.effects import BOOM_SITES, ModelEffect, Motion, Parameter, Site, laws, load_effects, make_effect
-from boom_mj.errors import EffectError
+from boom_mj.effects import BOOM_SITES, ModelEffect, Motion, Parameter, Site, laws, make_effect
+from boom_mj.effects.spec_edits import bent_by
 from boom_mj.machine import Machine, load_machine
 from boom_mj.recording import Signal
 from boom_mj.simulation import CATALOGUE, Plant, make_plant, run_experiment
@@ -151,7 +149,7 @@ def test_link_law_bends_as_its_formula() -> None:
     plain = make_plant(machine, 3)
     plant = make_plant(machine, 3, (Hard(site(link=link), cube=cube, linear=linear, offset=offset),))
     own = [k for k in range(plant.model.njnt) if plant.model.joint(k).name.startswith(f"link{link}_v_")]
-    lengths = [float(length) for _, length in laws.bent_by(plain.boom.spec, machine, link, "v")]
+    lengths = [float(length) for _, length in bent_by(plain.boom.spec, machine, link, "v")]
     for joint, length in zip(own, lengths):
         torque = []
         for one in (plain, plant):
@@ -261,48 +259,6 @@ def test_every_term_is_a_law_that_vanishes(name: str) -> None:
         once, twice = (kind(place.site, **{coefficient: n * kind.table[coefficient].typical}) for n in (1.0, 2.0))
         values = [one.law(**variables, **one.values) for one in (once, twice)]
         assert np.allclose(2 * values[0], values[1])
-
-
-LAW = '''"""A law by hand."""
-
-from boom_mj.effects import Parameter
-from boom_mj.effects.laws import CylinderLaw, direction
-
-
-class LoadFriction(CylinderLaw):
-    """Friction in proportion to the load."""
-
-    id = "{name}"
-    table = {{"mu": Parameter("1", 0.0, -1.0, 1.0, 0.05)}}
-
-    def law(self, position, speed, load, angle, time, mu):
-        return mu * abs(load) * direction(speed, 2e-4)
-'''
-
-
-def test_a_law_of_a_file_acts(tmp_path: Path) -> None:
-    file = tmp_path / "rubbing.py"
-    file.write_text(LAW.format(name="rubbing"))
-    kind = load_effects(file)["rubbing"]
-    check_effect(kind)
-    machine, time = load_machine("boom36"), np.arange(0.0, 10.0, 0.01)
-    joints = np.zeros((len(time), 5))
-    joints[:, 1] = 0.8 + 0.1 * np.sin(time)
-    signals = {
-        "joint/position": Signal(time, joints, tuple("12345"), "rad", ""),
-        "cylinder/force": Signal(time, np.full((len(time), 2), -2e5), ("2", "3"), "N", ""),
-    }
-    added = kind(site(cylinder=2), mu=0.05).observe(signals, machine)["cylinder/force"].values - -2e5
-    moving = np.abs(np.cos(time)) > 0.2
-    assert np.allclose(np.abs(added[moving, 0]), 0.05 * 2e5, rtol=1e-6) and not added[:, 1].any()
-    assert kind(site(cylinder=2)).observe(signals, machine) == {}
-
-
-def test_a_law_must_be_named_as_no_other(tmp_path: Path) -> None:
-    file = tmp_path / "taken.py"
-    file.write_text(LAW.format(name="pressure_scale"))
-    with pytest.raises(EffectError, match="two effects are called pressure_scale"):
-        load_effects(file)
 
 
 def test_what_fades_begins_whole_at_each_stop_and_knows_its_direction():

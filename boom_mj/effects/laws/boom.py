@@ -1,30 +1,16 @@
-"""Laws: effects whose physics is a formula at one place, such as `gap discover` finds and people write.
-
-A law is a subclass of one of these with an id, a table and a method `law`, whose arguments are the variables of the
-place - arrays (n,) by name - and the parameters. It vanishes where all parameters that are neutral at 0 are 0.
-"""
+"""Laws of booms."""
 
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, ClassVar
 
 import mujoco
 import numpy as np
 
-from boom_mj.effects.base import Array, Effect
-from boom_mj.effects.filters import fading as fading
-from boom_mj.effects.filters import lagged as lagged
-from boom_mj.effects.kinds import (
-    INVERSIONS,
-    ActuatorEffect,
-    AngleEffect,
-    ForceEffect,
-    ModelEffect,
-    Motion,
-    OutputEffect,
-)
-from boom_mj.effects.site import Site
+from boom_mj.effects.base import Array
+from boom_mj.effects.kinds import AngleEffect, ForceEffect, ModelEffect, Motion, OutputEffect
+from boom_mj.effects.laws.law import Law
 from boom_mj.effects.spec_edits import BASE_AXES, add_point_mass, bent_by, link_hinges, spring_base, tilt_base
 from boom_mj.machine import Machine, cylinder_lengths
 from boom_mj.recording import Signal
@@ -32,38 +18,6 @@ from boom_mj.recording import Signal
 FAR = 10.0  # rad, where no hinge ever is
 BALL, THIN = 1e-3, 1e-6  # m, radius of what feels the fluid, and kg/m^3, its density
 AXES = "xyz"
-TEMPERATURE = {"temperature": "degC"}
-"""A variable of joints and channels of an MJCF machine, where its map has a channel of that role."""
-
-
-def direction(speed: Array, creep: float) -> Array:
-    """The sign of a speed, which it changes smoothly over a small one: dry friction over its force, (n,)."""
-    return np.tanh(speed / creep)
-
-
-class Law(Effect):
-    """Common to all laws.
-
-    Attributes:
-        formula: for people.
-        variables: arguments of `law` by name, with their units.
-        unit: of what `law` gives.
-    """
-
-    formula: ClassVar[str] = ""
-    variables: ClassVar[Mapping[str, str]] = {}
-    unit: ClassVar[str] = ""
-
-    @property
-    def silent(self) -> bool:
-        """Whether it does nothing."""
-        return not any(self.values[name] for name, p in self.declared.items() if p.neutral == 0)
-
-    @classmethod
-    def allowed(cls, sites: Sequence[Site]) -> tuple[Site, ...]:
-        """Where a temperature is logged, if it is of one."""
-        needed = TEMPERATURE.keys() & cls.variables.keys()
-        return tuple(site for site in super().allowed(sites) if needed <= site.tags)
 
 
 class CylinderLaw(Law, OutputEffect):
@@ -274,71 +228,3 @@ class BaseLaw(Law, ModelEffect):
             if (give := values.get(f"{axis}_give", 0.0)) > 0:
                 spring = spring_base(spec, machine, axis, 1 / give)
                 spring.stiffness[2] = values.get(f"{axis}_hardness", 0.0) * spring.stiffness[0]
-
-
-class JointLaw(Law, ForceEffect):
-    """What resists the motion of a joint of any MJCF machine; `load` is what its actuator exerts without it.
-
-    Where its `variables` hold TEMPERATURE, it is where that is logged.
-    """
-
-    at = ("joint",)
-    needs = frozenset({"mjcf", "measured"})
-    variables = {"position": "", "speed": "", "load": "", "time": "s"}
-
-    def force(self, motion: Motion) -> Mapping[str, Array]:
-        joint = str(self.location["joint"])
-        variables = {"position": motion.position[joint], "speed": motion.speed[joint], "load": motion.load[joint]}
-        if "temperature" in self.variables:
-            variables["temperature"] = motion.temperature[joint]
-        return {joint: -self.law(**variables, time=motion.time, **self.values)}
-
-    @abstractmethod
-    def law(self, **variables: Any) -> Array:
-        """Resisting force, (n,), N or N m, positive against positive speed."""
-
-
-class ActuatorLaw(Law, ActuatorEffect):
-    """What an actuator of any MJCF machine makes of its command besides the command itself."""
-
-    variables = {"command": "", "time": "s"}
-
-    def apply(self, time: Array, true: Array) -> Array:
-        return true if self.silent else true + self.law(command=true, time=time, **self.values)
-
-    def invert(self, time: Array, read: Array) -> Array:
-        true = read
-        for _ in range(0 if self.silent else INVERSIONS):
-            true = read - self.law(command=true, time=time, **self.values)
-        return true
-
-    @abstractmethod
-    def law(self, **variables: Any) -> Array:
-        """What is done less what is commanded, (n,)."""
-
-
-class ChannelLaw(Law, OutputEffect):
-    """What a compared channel of any MJCF machine reads besides; see `JointLaw` of a temperature."""
-
-    at = ("channel",)
-    needs = frozenset({"mjcf", "compared"})
-    variables = {"reading": "", "time": "s"}
-
-    def observe(self, signals: Mapping[str, Signal], machine: Any) -> Mapping[str, Signal]:
-        if self.silent:
-            return {}
-        name = str(self.location["channel"])
-        known = {key: value for key, value in channel_variables(signals, name).items() if key in self.variables}
-        values = signals[name].values + self.law(**known, **self.values)[:, None]
-        return {name: replace(signals[name], values=values)}
-
-    @abstractmethod
-    def law(self, **variables: Any) -> Array:
-        """What it reads too much, (n,), in its unit."""
-
-
-def channel_variables(signals: Mapping[str, Signal], name: str) -> dict[str, Array]:
-    """Of a channel; see `ChannelLaw`."""
-    found = {"reading": signals[name].values[:, 0], "time": signals[name].time}
-    warm = signals.get(f"temperature/{name}")
-    return found if warm is None else {**found, "temperature": warm.values[:, 0]}
