@@ -7,31 +7,25 @@ links to the code that says the equations' numbers.
 
 import ast
 import inspect
-import io
 import json
 import re
-import tokenize
-from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from importlib import import_module
 from itertools import groupby
 from pathlib import Path
 from types import ModuleType
-from typing import NamedTuple
 
 import typer
 import typer.cli
 from pydantic import BaseModel
+from site_equations import listing_of, mentions, with_code
+from site_files import with_keys
 
 from boom_mj.cli import app
 from boom_mj.diagnosis.criteria import described
 from boom_mj.effects import BOOM_SITES, Effect, Parameter, Site, builtin
-from boom_mj.logs.topics import TOPICS
-from boom_mj.logs.units import UNITS
-from boom_mj.recording import QUANTITIES
 
 ROOT = Path(__file__).parents[1]
-PACKAGE = ROOT / "boom_mj"
 NOTEBOOKS = sorted((ROOT / "examples").glob("*.ipynb"))
 ROOMS = (
     "boom_mj", "boom_mj.errors", "boom_mj.machine", "boom_mj.recording", "boom_mj.effects", "boom_mj.reference",
@@ -41,16 +35,6 @@ ROOMS = (
 )  # fmt: skip
 CRITERIA = "boom_mj.diagnosis.criteria"
 SYSTEMS, PROTOCOLS = "boom_mj.systems.", "systems.system"
-LAST = 35  # equation of the paper
-EQUATION = re.compile(r"(?<![\w)\]])\((\d\d?)[a-d]?\)(?:-\((\d\d?)\))?|\beqs?\. \(?(\d\d?)\)?(?:, (\d\d?))?")
-
-
-class Mention(NamedTuple):
-    """Where the code says the number of an equation: file, line, and the function, class or module around it."""
-
-    path: Path
-    line: int
-    owner: str
 
 
 # What the hook is asked for
@@ -279,131 +263,6 @@ def criteria() -> str:
         ]
         lines += [""]
     return "\n".join([*lines, "`gap criteria` prints the same.", ""])
-
-
-# Files
-
-
-def with_keys(markdown: str) -> str:
-    """The page of files with the tables that its comments ask for."""
-    fills = {"keys": _keys, "file": _shown, "signals": _signals, "units": _units}
-    return re.sub(r"^<!-- (\w+)(?:: (\S+))? -->$", lambda m: fills[m[1]](m[2] or ""), markdown, flags=re.M)
-
-
-def _keys(path: str) -> str:
-    """Keys of a table of a file, with what its class says of them."""
-    module, _, name = path.rpartition(".")
-    kind = getattr(import_module(module), name)
-    said = _attributes(inspect.getdoc(kind) or "")
-    lines = ["| key | if left out | |", "|---|---|---|"]
-    for field, info in kind.model_fields.items():
-        default = info.get_default(call_default_factory=True)
-        empty = default in ((), {}, "", None) or isinstance(default, BaseModel)
-        left_out = "required" if info.is_required() else "" if empty else f"`{json.dumps(default)}`"
-        lines.append(f"| `{info.alias or field}` | {left_out} | {said.get(field, '')} |")
-    return "\n".join(lines)
-
-
-def _attributes(text: str) -> dict[str, str]:
-    """By name, what the section "Attributes:" of a docstring says."""
-    _, _, section = text.partition("Attributes:\n")
-    entries = re.findall(r"^    (\w[\w, ]*): (.*(?:\n     .*)*)", section, re.M)
-    return {name: re.sub(r"\s+", " ", said).rstrip(".") for names, said in entries for name in names.split(", ")}
-
-
-def _shown(path: str) -> str:
-    return f"```toml\n{(ROOT / path).read_text()}```"
-
-
-def _signals(_: str) -> str:
-    """Every signal that a log may hold: where, in what unit and frame, with which channels."""
-    lines = ["| signal | topic | message | unit | frame | channels |", "|---|---|---|---|---|---|"]
-    for topic in TOPICS:
-        for signal in topic.signals.values():
-            quantity = QUANTITIES[signal]
-            names = quantity.channels or ("any number of points",)
-            shown = ", ".join(names if len(names) < 6 else (names[0], "..", names[-1]))
-            what = f"{topic.kind.ros_type} | {quantity.unit} | {quantity.frame} | {shown}"
-            lines.append(f"| `{signal}` | `{topic.name}` | {what} |")
-    return "\n".join(lines)
-
-
-def _units(_: str) -> str:
-    return "\n".join(f"| {si} | {', '.join(known)} |" for si, known in UNITS.items())
-
-
-# Equations
-
-
-def mentions() -> dict[int, list[Mention]]:
-    """By number, where docstrings and comments say an equation of the paper: modules only where no part of one does."""
-    found: dict[int, list[Mention]] = defaultdict(list)
-    for path in sorted(set(PACKAGE.rglob("*.py")) - set(PACKAGE.rglob("__init__.py"))):
-        source = path.read_text()
-        tree = ast.parse(source)
-        for line, text in _prose(tree, source):
-            owner, start = _around(tree, line)
-            name = ".".join((*path.relative_to(PACKAGE).with_suffix("").parts, *owner))
-            for number in _numbers(text):
-                found[number].append(Mention(path, start, name))
-    return {number: _parts(said) for number, said in found.items()}
-
-
-def _parts(said: list[Mention]) -> list[Mention]:
-    """Every owner once, without those that hold another."""
-    owners = {mention.owner: mention for mention in said}
-    return [m for name, m in sorted(owners.items()) if not any(other.startswith(f"{name}.") for other in owners)]
-
-
-def _prose(tree: ast.Module, source: str) -> list[tuple[int, str]]:
-    """Docstrings (of attributes, too) and comments, with their lines."""
-    strings = [
-        (node.lineno, node.value.value)
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
-    ]
-    tokens = tokenize.generate_tokens(io.StringIO(source).readline)
-    return strings + [(token.start[0], token.string) for token in tokens if token.type == tokenize.COMMENT]
-
-
-def _around(tree: ast.Module, line: int) -> tuple[tuple[str, ...], int]:
-    """Names of the classes and functions around a line, and where the innermost begins."""
-    names, start, body = [], 1, tree.body
-    while True:
-        kinds = (ast.ClassDef, ast.FunctionDef)
-        inside = [n for n in body if isinstance(n, kinds) and n.lineno <= line <= (n.end_lineno or 0)]
-        if not inside:
-            return tuple(names), start
-        names.append(inside[0].name)
-        start, body = inside[0].lineno, inside[0].body
-
-
-def _numbers(text: str) -> set[int]:
-    """Equations that a text names; (13)-(17) are five."""
-    found: set[int] = set()
-    for first, last, *named in EQUATION.findall(text):
-        found |= set(range(int(first), int(last or first) + 1)) if first else {int(n) for n in named if n}
-    return {number for number in found if 1 <= number <= LAST}
-
-
-def with_code(markdown: str) -> str:
-    """The equations page, every line of an equation followed by links to the code."""
-    found = mentions()
-
-    def linked(match: re.Match[str]) -> str:
-        links = [f"[`{m.owner}`]({_link(m)})" for m in found.get(int(match[1]), ())]
-        return f"{match[0]}\n  <br>{', '.join(links) or 'not used'}"
-
-    return re.sub(r"^- \*\*\((\d+)\)\*\*.*(?:\n  .*)*", linked, markdown, flags=re.M)
-
-
-def _link(mention: Mention) -> str:
-    return f"{listing_of(mention.path)}#__codelineno-0-{mention.line}"
-
-
-def listing_of(path: Path) -> str:
-    """The page that shows a file of the package."""
-    return f"code/{path.relative_to(PACKAGE).with_suffix('.md').as_posix()}"
 
 
 # How much of it is documented

@@ -1,15 +1,14 @@
 """What pages say can be done: commands, every command's help, examples, words, tables of keys, equations, the API."""
 
 import ast
-import importlib.util
 import inspect
 import re
 import shlex
+import sys
 import tomllib
 from dataclasses import fields
 from importlib import import_module
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
@@ -26,6 +25,11 @@ from boom_mj.simulation import load_experiment, make_plant
 from boom_mj.simulation.experiments import Chirp, Experiment, Move
 from boom_mj.systems.mjcf import load_channel_map
 from boom_mj.systems.mjcf.channel_map import ChannelEntry, ChannelMap
+
+sys.path.append(str(Path(__file__).parents[2] / "scripts"))
+import site_equations
+import site_files
+import site_pages
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -60,16 +64,6 @@ def parse(call: str) -> None:
     while isinstance(command, TyperGroup):
         command = command.commands[words.pop(0)]
     command.make_context("boom_mj", words)
-
-
-def site_pages() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("site_pages", ROOT / "scripts" / "site_pages.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-SITE = site_pages()
 
 
 @pytest.mark.usefixtures("own_files")
@@ -171,7 +165,7 @@ def test_every_key_of_an_answer_is_described() -> None:
 
 
 def test_every_key_of_a_file_is_described() -> None:
-    page = SITE.with_keys((ROOT / "docs" / "reference" / "files.md").read_text())
+    page = site_files.with_keys((ROOT / "docs" / "reference" / "files.md").read_text())
     assert "<!--" not in page
     for kind in (Experiment, Move, Chirp, Clamp, Marker, Entry, ChannelMap, ChannelEntry):
         for name, field in kind.model_fields.items():
@@ -179,7 +173,7 @@ def test_every_key_of_a_file_is_described() -> None:
 
 
 def test_criteria_are_those_of_the_code() -> None:
-    page = SITE.criteria()
+    page = site_pages.criteria()
     assert all(f"| `{field.name}` |" in page for field in (*fields(Criteria), *fields(SearchBudget)))
 
 
@@ -195,18 +189,18 @@ def test_the_ten_lines_are_those_of_ten_minutes() -> None:
 
 
 def test_every_equation_has_its_code() -> None:
-    page = SITE.with_code((ROOT / "docs" / "reference" / "equations.md").read_text())
+    page = site_equations.with_code((ROOT / "docs" / "reference" / "equations.md").read_text())
     numbers = [int(number) for number in re.findall(r"^- \*\*\((\d+)\)\*\*", page, re.M)]
-    assert numbers == list(range(1, SITE.LAST + 1))
-    assert set(SITE.mentions()) == set(numbers)
+    assert numbers == list(range(1, site_equations.LAST + 1))
+    assert set(site_equations.mentions()) == set(numbers)
     for path, line in re.findall(r"\]\(code/(\S+)\.md#__codelineno-0-(\d+)\)", page):
         assert len((ROOT / "boom_mj" / f"{path}.py").read_text().splitlines()) >= int(line)
 
 
 def test_every_public_name_is_documented_and_in_the_reference() -> None:
-    count, bare = SITE.undocumented()
+    count, bare = site_pages.undocumented()
     assert count > 200 and bare == []
-    text, index = "\n".join(SITE.python().values()), SITE.python_index()
-    for room, paths in SITE.public_paths().items():
+    text, index = "\n".join(site_pages.python().values()), site_pages.python_index()
+    for room, paths in site_pages.public_paths().items():
         assert f"| [`{room}`](python/{room}.md) |" in index
         assert all(text.count(f"::: {path}\n") == 1 and f"#{path})" in index for path in paths)
