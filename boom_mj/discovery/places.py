@@ -19,7 +19,9 @@ THRESHOLDS = 12  # within a variable's range
 TIMES = (0.1, 0.3, 1.0, 3.0, 10.0)  # s, of memories
 HARDNESSES = (3e3, 3e4, 3e5)  # 1/rad^2: a secant twice as stiff at 18, 6 and 2 mrad
 GRIDS = {"time": TIMES, "hardness": HARDNESSES}
-NAMES = {name: getattr(np, name) for name in ("sin", "cos", "pi", "maximum", "minimum", "ones_like", "abs")} | {
+NAMES = {
+    name: getattr(np, name) for name in ("sin", "cos", "pi", "maximum", "minimum", "ones_like", "abs", "gradient")
+} | {
     "direction": laws.direction,
     "fading": laws.fading,
     "lagged": laws.lagged,

@@ -114,6 +114,14 @@ def test_grease_that_thins_as_it_warms_comes_back_as_a_law_of_temperature(
     assert [effect["id"] for effect in again["effects"]] == ["grease"], again["sentence"]
 
 
+def test_mass_that_the_model_lacks_comes_back_as_inertia(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = measured(tmp_path, 0.0)
+    (tmp_path / "model.xml").write_text(MODEL.replace('mass="50"', 'mass="38"'))
+    found = json.loads(run([*words, "--without", "armature", "--json", "-"], capsys))
+    assert found["law"]["formula"] == "inertia * gradient(speed, time)", found["sentence"]
+    assert found["law"]["parameters"]["inertia"]["value"] == pytest.approx(12.0, rel=0.01)
+
+
 def test_without_time_it_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     found = json.loads(run([*measured(tmp_path, AMPLITUDE), "--time", "0", "--json", "-"], capsys))
     assert found["verdict"] == "none" and found["skipped"] and not found["complete"]
