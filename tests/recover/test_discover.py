@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from boom_mj import cli
-from boom_mj.cli.documents.gap import GapDiagnose, GapDiscover
+from boom_mj.cli.documents import GapDiagnose, GapDiscover
 
 MODEL = """
 <mujoco model="carriage">

@@ -2,7 +2,9 @@
 
 from boom_mj.cli.documents.blind import GapBlindMake, GapBlindRun, GapBlindScore
 from boom_mj.cli.documents.calibration import Calibrate, CalibratePlan
-from boom_mj.cli.documents.gap import GapCriteria, GapDiagnose, GapDiscover, GapEffects, GapWatch
+from boom_mj.cli.documents.discover import GapDiscover
+from boom_mj.cli.documents.gap import GapDiagnose, GapWatch
+from boom_mj.cli.documents.library import GapCriteria, GapEffects
 from boom_mj.cli.documents.logs import LogsCheck, LogsInspect
 from boom_mj.cli.documents.models import Generate, Render, Replay, Simulate, Sweep, Track, Validate, View
 from boom_mj.cli.documents.part import Part as Part
