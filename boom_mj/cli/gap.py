@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from boom_mj.cli import blind, discover, watch
+from boom_mj.cli import blind, design, discover, watch
 from boom_mj.cli.arguments import (
     AnswerFile,
     AnswerPage,
@@ -34,6 +34,7 @@ app = typer.Typer(help="Diagnose the gap between simulator and machine.", no_arg
 app.add_typer(blind.app, name="blind")
 app.command("watch", cls=ManyLogs)(watch.command)
 app.command("discover", cls=ManyLogs)(discover.command)
+app.command("design")(design.command)
 
 
 @app.command()
@@ -228,7 +229,8 @@ def _summary(answer: dict[str, Any]) -> str:
         lines.append(f"  left above the floor: {answer['remainder']['share']:.0%}, {answer['remainder']['looks_like']}")
         lines.append("  gap discover looks for a law that the library lacks")
     if answer["next_experiment"]:
-        lines.append(f"  next experiment: {answer['next_experiment']}")
+        better = "; gap design makes one that tells more" * ("hinges" in answer["provenance"])
+        lines.append(f"  next experiment: {answer['next_experiment']}{better}")
     for what in answer["skipped"][:4]:
         lines.append(f"  not looked at for want of time: {what}")
     return "\n".join(lines)

@@ -8,7 +8,7 @@ import numpy as np
 
 from boom_mj.diagnosis.diagnose import Diagnosis
 from boom_mj.diagnosis.localisation import in_words, locate, looks_like
-from boom_mj.diagnosis.named import brief, described, named_as_causes, probability_of_all
+from boom_mj.diagnosis.named import described, named_as_causes, probability_of_all, sized
 from boom_mj.diagnosis.predictions import estimated_nuisances, nuisances
 from boom_mj.diagnosis.sentences import other_laws, rival, sentence
 from boom_mj.diagnosis.steps import ChannelSteps, nuisance_sizes
@@ -64,7 +64,7 @@ def document(
             "combination": found.odds.combination,
         },
         "rivals": [rival(found, other) for other in found.scored if other is not best][:RIVALS],
-        "ties": [[brief(j.fit.effects) for j in (best, *found.ties)]] if best and found.ties else [],
+        "ties": [[sized(j) for j in (best, *found.ties)]] if best and found.ties else [],
         "next_experiment": found.next_experiment,
         "gap": {
             **gaps,

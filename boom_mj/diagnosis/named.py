@@ -16,20 +16,9 @@ def described(found: Diagnosis) -> list[dict[str, Any]]:
     """The effects of the best explanation with sizes, intervals, and what each closes alone."""
     assert found.best is not None
     best = found.best
-    parameters_of = best.fit.candidate.parameters
     entries = []
     for k, effect in enumerate(best.fit.effects):
-        parameters = {}
-        for number, (owner, name, parameter) in enumerate(parameters_of):
-            if owner == k:
-                value, low, high = interval_of(best, number)
-                parameters[name] = {
-                    "value": value,
-                    "low": low,
-                    "high": high,
-                    "unit": parameter.unit,
-                    **({} if parameter.plausible(effect.values[name]) else {"implausible": True}),
-                }
+        parameters = _sizes(best, k)
         parameters |= _of_latent(best, effect, parameters)
         alone = next((j for j in found.scored if j.fit.candidate.places == Candidate((effect,)).places), None)
         entries.append(
@@ -43,6 +32,18 @@ def described(found: Diagnosis) -> list[dict[str, Any]]:
             }
         )
     return entries
+
+
+def _sizes(scored: Scored, number: int) -> dict[str, Any]:
+    """Of one effect of an explanation, with their intervals."""
+    sizes = {}
+    for k, (owner, name, parameter) in enumerate(scored.fit.candidate.parameters):
+        if owner == number:
+            value, low, high = interval_of(scored, k)
+            sizes[name] = {"value": value, "low": low, "high": high, "unit": parameter.unit}
+            if not parameter.plausible(value):
+                sizes[name]["implausible"] = True
+    return sizes
 
 
 def named_as_causes(found: Diagnosis) -> tuple[bool, ...]:
@@ -115,5 +116,15 @@ def closure_of(found: Diagnosis, scored: Scored) -> float:
 
 def brief(effects: Sequence[Effect]) -> dict[str, Any]:
     """An explanation by name: its first effect, and the others beside it."""
-    first, *others = ({"id": effect.id, "location": effect.location} for effect in effects)
+    return _together([{"id": effect.id, "location": effect.location} for effect in effects])
+
+
+def sized(scored: Scored) -> dict[str, Any]:
+    """The same with sizes."""
+    effects = enumerate(scored.fit.effects)
+    return _together([{"id": e.id, "location": e.location, "parameters": _sizes(scored, k)} for k, e in effects])
+
+
+def _together(effects: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    first, *others = effects
     return {**first, "with": others} if others else first

@@ -2,6 +2,7 @@
 
 from boom_mj.cli.documents.blind import GapBlindMake, GapBlindRun, GapBlindScore
 from boom_mj.cli.documents.calibration import Calibrate, CalibratePlan
+from boom_mj.cli.documents.design import GapDesign
 from boom_mj.cli.documents.discover import GapDiscover
 from boom_mj.cli.documents.gap import GapDiagnose, GapWatch
 from boom_mj.cli.documents.library import GapCriteria, GapEffects
@@ -22,6 +23,7 @@ DOCUMENTS: dict[str, tuple[type[Part], ...]] = {
     "logs check": (LogsCheck,),
     "gap diagnose": (GapDiagnose,),
     "gap discover": (GapDiscover,),
+    "gap design": (GapDesign,),
     "gap effects": (GapEffects,),
     "gap criteria": (GapCriteria,),
     "gap watch": (GapWatch,),

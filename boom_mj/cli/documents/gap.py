@@ -38,6 +38,12 @@ class NamedCause(Named):
     probability: Number
 
 
+class TiedExplanation(Named):
+    """An explanation that ties with others; `with` holds its other effects, if it has any."""
+
+    parameters: dict[str, SizedParameter]
+
+
 class Rival(Named):
     """An explanation that lost."""
 
@@ -141,7 +147,7 @@ class GapDiagnose(Part):
     effects: list[NamedCause]
     suspect: list[NamedCause]
     rivals: list[Rival]
-    ties: list[list[Named]]
+    ties: list[list[TiedExplanation]]
     next_experiment: str | None
     gap: Gaps
     where: list[Where]

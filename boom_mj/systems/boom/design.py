@@ -1,50 +1,246 @@
-"""Which experiment of the catalogue would separate explanations that these data cannot."""
+"""What an experiment would tell: which of several explanations holds, or how large the causes of one are.
 
-from collections.abc import Sequence
+Sensors are simulated without noise, by one hinge per elastic coordinate, and averaged over blocks as a diagnosis does,
+in units of noise. With r the difference of two explanations, J what the sizes of one may still do (in deviations, as
+they are known) and N what nuisances do (in prior deviations),
+
+    d^2 = min |r - J x - N y|^2 + x^2 + y^2 = r^T (1 + J J^T + N N^T)^-1 r
+
+is how far apart they stay when sizes and nuisances are fitted (T-optimality: Atkinson and Fedorov 1975), and
+
+    C = (1 + J^T (1 + N N^T)^-1 J)^-1
+
+the covariance of the sizes after the experiment, in deviations before it (D-optimality: its determinant).
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from itertools import permutations
 
 import numpy as np
 
-from boom_mj.effects import Effect, make_effect
-from boom_mj.errors import BoomError
+from boom_mj.effects import Effect, Parameter
+from boom_mj.errors import BoomError, ExperimentError
 from boom_mj.machine import Machine
-from boom_mj.sensors import measure, noise_levels
-from boom_mj.simulation import CATALOGUE, make_plant, run_experiment
+from boom_mj.sensors import measure, noise_levels, sample_rates
+from boom_mj.simulation import CATALOGUE, Experiment, Plant, make_plant, run_experiment
+from boom_mj.systems.boom.motions import drawn, fits, varied
+from boom_mj.systems.boom.nuisances import nuisances
+from boom_mj.systems.boom.timeline import DRIVE
 
 Array = np.ndarray
-LONGEST = 125.0  # s
+Hypothesis = tuple[Effect, ...]
+BLOCK_S = 0.1  # as of a diagnosis
+LONGEST = 125.0  # s, of an experiment of the catalogue
+CLEAR, EVERY_S = 1.5, 0.5  # m, that a straight boom stays above the ground: it sags; s, between looks
+STEP = 0.3  # typical sizes, at most, by which derivatives are taken
+PARENT = 1.5  # mean rank of what is varied
+DRAWS = 20  # for each random experiment that is wanted: most come close to the ground
 
 
-def next_experiment(machine: Machine, explanations: Sequence[tuple[Effect, ...]], done: Sequence[str]) -> str | None:
-    """The experiment whose sensors would differ most, per second, between the two closest of some explanations.
+@dataclass(frozen=True)
+class Explanation:
+    """Effects, and how well their sizes are known.
 
-    Zero offsets of the joint sensors are projected out: what they can imitate separates nothing.
+    Attributes:
+        deviations: of every parameter that a fit may change, effect by effect, scaled.
     """
-    levels = noise_levels(machine)
 
-    def recorded(effects: tuple[Effect, ...], name: str) -> Array:
-        plan = CATALOGUE[name]
-        found = measure(run_experiment(make_plant(machine, 1, effects), plan), name, "", plan.duration)
-        parts = [found[s].values / level for s, level in levels.items() if s != "joint/position"]
-        return np.concatenate([part.ravel() for part in parts])
+    effects: Hypothesis
+    deviations: tuple[float, ...]
 
-    scores: dict[str, float] = {}
-    for name, plan in CATALOGUE.items():
-        if name in done or plan.duration > LONGEST:
-            continue
+    @classmethod
+    def of(cls, effects: Hypothesis) -> "Explanation":
+        """Of sizes that are not known."""
+        return cls(effects, (1.0,) * sum(len(effect.free(effect.site)) for effect in effects))
+
+    @property
+    def parameters(self) -> list[tuple[int, str, Parameter]]:
+        """Number of the effect, name and parameter of every size."""
+        owned = ((k, effect, name) for k, effect in enumerate(self.effects) for name in effect.free(effect.site))
+        return [(k, name, effect.declared[name]) for k, effect, name in owned]
+
+    def moved(self, number: int) -> tuple[Hypothesis, float]:
+        """With one size otherwise, and by how many of its deviations."""
+        owner, name, parameter = self.parameters[number]
+        effect, deviation = self.effects[owner], self.deviations[number]
+        here = parameter.coordinate(effect.values[name])
+        step = min(deviation, STEP)
+        value = parameter.value(here + step)
+        if abs(parameter.coordinate(value) - here) < step / 2:  # at a bound
+            value = parameter.value(here - step)
+        other = type(effect)(effect.site, **{**effect.values, name: value})
+        moved = (parameter.coordinate(value) - here) / deviation
+        return (*self.effects[:owner], other, *self.effects[owner + 1 :]), moved
+
+
+@dataclass(frozen=True)
+class Outlook:
+    """What an experiment is expected to tell.
+
+    Attributes:
+        separation: of the closest two explanations, in standard deviations; None of a single one.
+        left: deviation of every size of the first explanation after the experiment over that before it.
+        gain: what a design makes as large as it can.
+    """
+
+    separation: float | None
+    left: tuple[float, ...]
+    gain: float
+
+    @property
+    def probability(self) -> float | None:
+        """That the right one of two equally likely explanations will have on average, by Bayes' rule."""
+        if self.separation is None:
+            return None
+        nodes, weights = np.polynomial.hermite_e.hermegauss(41)
+        odds = self.separation**2 / 2 + self.separation * nodes
+        return float(weights @ (1 / (1 + np.exp(-odds))) / weights.sum())
+
+
+@dataclass(frozen=True)
+class Design:
+    """The best experiment found, and what the catalogue's best and the median of random ones would tell."""
+
+    experiment: Experiment
+    outlook: Outlook
+    catalogue: tuple[str, Outlook] | None
+    random: Outlook | None
+
+
+class Judge:
+    """What experiments would tell of some explanations of a machine."""
+
+    def __init__(self, machine: Machine, explanations: Sequence[Explanation]) -> None:
+        self.machine, self.explanations = machine, tuple(explanations)
+        self.levels, self.rates = noise_levels(machine), sample_rates(machine)
+        self._plants: dict[Hypothesis, Plant] = {}
+        self._pool = ThreadPoolExecutor()
+
+    def outlook(self, plan: Experiment) -> Outlook:
+        """Of an experiment.
+
+        Raises:
+            BoomError: the machine cannot do it.
+        """
+        plan.check(self.machine)
+        asked_for = {effect.cause for own in self.explanations for effect in own.effects}
+        beside = [n for n in nuisances() if not asked_for & {effect.cause for effect in n.hypothesis}]
+        moved = [[own.moved(k) for k in range(len(own.parameters))] for own in self.explanations]
+        asked = [(), *(n.hypothesis for n in beside), *(own.effects for own in self.explanations)]
+        asked += [effects for own in moved for effects, _ in own]
+        nominal, *found = self._pool.map(lambda effects: self._said(effects, plan), asked)
+        columns = np.stack([(one - nominal) * n.deviation for one, n in zip(found, beside)], axis=1)
+        said, rest = found[len(beside) :][: len(moved)], iter(found[len(beside) + len(moved) :])
+        slopes = [
+            np.stack([(next(rest) - whole) / by for _, by in own], axis=1) for whole, own in zip(said, moved)
+        ]  # per deviation
+        first = slopes[0]
+        whitened = first - columns @ np.linalg.solve(np.eye(len(beside)) + columns.T @ columns, columns.T @ first)
+        information = np.eye(first.shape[1]) + first.T @ whitened
+        left = tuple(np.sqrt(np.diag(np.linalg.inv(information))))
+        if len(said) == 1:
+            return Outlook(None, left, float(np.linalg.slogdet(information)[1]))
+        pairs = permutations(range(len(said)), 2)
+        apart = min(_left(said[a] - said[b], np.hstack([slopes[b], columns])) for a, b in pairs)
+        return Outlook(float(np.sqrt(apart)), left, apart)
+
+    def _said(self, effects: Hypothesis, plan: Experiment) -> Array:
+        """Block means of all sensors but the joints', in units of their noise, (N,)."""
+        found = measure(run_experiment(self._plant(effects), plan), plan.name, "", plan.duration)
+        parts = []
+        for name, level in self.levels.items():
+            if name != DRIVE:
+                count = max(1, round(BLOCK_S * self.rates[name]))
+                values = found[name].values[: len(found[name].values) // count * count] / level
+                parts.append(values.reshape(-1, count, values.shape[1]).mean(axis=1).ravel() * np.sqrt(count))
+        return np.concatenate(parts)
+
+    def _plant(self, effects: Hypothesis) -> Plant:
+        if effects not in self._plants:
+            self._plants[effects] = make_plant(self.machine, 1, effects)
+        return self._plants[effects]
+
+    def high(self, plan: Experiment) -> bool:
+        """Whether a straight boom stays above the ground."""
+        plain = self._plant(())
+        qpos = np.zeros(plain.model.nq)
+        for angles in plan.joint_path(np.arange(0.0, plan.duration, EVERY_S))[0]:
+            qpos[plain.joints] = angles
+            if plain.markers(qpos).reshape(-1, 3)[:, 2].min() < CLEAR:
+                return False
+        return True
+
+
+def _left(difference: Array, columns: Array) -> float:
+    """Square of a difference (N,) from which columns (N, k), each with a prior of one, take what they can."""
+    slope = columns.T @ difference
+    return float(difference @ difference - slope @ np.linalg.solve(np.eye(len(slope)) + columns.T @ columns, slope))
+
+
+def designed(
+    machine: Machine,
+    explanations: Sequence[Explanation],
+    seconds: float,
+    load: float = 0.0,
+    tries: int = 20,
+    rng: np.random.Generator | None = None,
+    tell: Callable[[str], None] = lambda line: None,
+) -> Design:
+    """The experiment that tells most, of the catalogue's, of random ones, and of variations of the best.
+
+    Args:
+        explanations: that tie, or one whose sizes are asked for.
+        seconds: that it may last.
+        load: N, that a rope may pull with before it is cut.
+        tries: random experiments that can be done, and as many variations.
+
+    Raises:
+        ExperimentError: nothing fits within the time and the machine's limits.
+    """
+    rng, judge = rng or np.random.default_rng(0), Judge(machine, explanations)
+
+    def judged(plan: Experiment) -> tuple[Experiment, Outlook] | None:
         try:
-            twins = [recorded(effects, name) for effects in explanations]
-            nominal = recorded((), name)
-            zero = [
-                recorded((make_effect("joint_zero_offset", {"joint": k, "offset": 0.002}),), name) for k in range(1, 6)
-            ]
+            return plan, judge.outlook(plan)
         except BoomError:
-            continue
-        basis = np.linalg.qr(np.stack([z - nominal for z in zero], axis=1))[0]
-        distances = []
-        for k, a in enumerate(twins):
-            for b in twins[k + 1 :]:
-                difference = a - b
-                difference -= basis @ (basis.T @ difference)
-                distances.append(float(difference @ difference) / plan.duration)
-        scores[name] = min(distances)
-    return max(scores, key=lambda name: scores[name]) if scores else None
+            return None
+
+    short = [plan for plan in CATALOGUE.values() if plan.duration <= seconds]
+    short = [plan for plan in short if plan.release is None or np.abs(plan.load).max() <= load]
+    known = _ranked(filter(None, map(judged, short)))
+    tell(f"catalogue: {len(known)} experiments can be done in {seconds:g} s")
+    found = list[tuple[Experiment, Outlook]]()
+    for _ in range(DRAWS * tries):
+        plan = drawn(machine, seconds, load, rng)
+        if len(found) < tries and fits(plan, machine) and judge.high(plan) and (one := judged(plan)):
+            found.append(one)
+    if not found and not known:
+        raise ExperimentError(f"no experiment of {seconds:g} s was found that {machine.name} can do: give it more time")
+    tell(f"{len(found)} random experiments")
+    pool = _ranked([*known, *found])
+    for number in range(1, 1 + tries):
+        plan = varied(pool[min(int(rng.exponential(PARENT)), len(pool) - 1)][0], machine, rng)
+        if judge.high(plan) and (one := judged(plan)):
+            pool = _ranked([*pool, one])
+        if number % 10 == 0:
+            tell(f"{number} of {tries} variations, best gain {pool[0][1].gain:.3g}")
+    best = (known[0][0].name, known[0][1]) if known else None
+    return Design(*pool[0], best, _ranked(found)[len(found) // 2][1] if found else None)
+
+
+def _ranked(found: Iterable[tuple[Experiment, Outlook]]) -> list[tuple[Experiment, Outlook]]:
+    return sorted(found, key=lambda one: -one[1].gain)
+
+
+def next_experiment(machine: Machine, explanations: Sequence[Hypothesis], done: Sequence[str]) -> str | None:
+    """The experiment of the catalogue that tells most per second between the two closest of some explanations."""
+    judge, found = Judge(machine, [Explanation.of(effects) for effects in explanations]), dict[str, float]()
+    for name, plan in CATALOGUE.items():
+        if name not in done and plan.duration <= LONGEST:
+            try:
+                found[name] = judge.outlook(plan).gain / plan.duration
+            except BoomError:
+                continue
+    return max(found, key=lambda name: found[name]) if found else None
