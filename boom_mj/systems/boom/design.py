@@ -129,21 +129,22 @@ class Judge:
         beside = [n for n in nuisances() if not asked_for & {effect.cause for effect in n.hypothesis}]
         moved = [[own.moved(k) for k in range(len(own.parameters))] for own in self.explanations]
         asked = [(), *(n.hypothesis for n in beside), *(own.effects for own in self.explanations)]
-        asked += [effects for own in moved for effects, _ in own]
-        nominal, *found = self._pool.map(lambda effects: self._said(effects, plan), asked)
-        columns = np.stack([(one - nominal) * n.deviation for one, n in zip(found, beside)], axis=1)
-        said, rest = found[len(beside) :][: len(moved)], iter(found[len(beside) + len(moved) :])
-        slopes = [
-            np.stack([(next(rest) - whole) / by for _, by in own], axis=1) for whole, own in zip(said, moved)
-        ]  # per deviation
+        asked += [effects for sizes in moved for effects, _ in sizes]
+        said = dict(zip(asked, self._pool.map(lambda effects: self._said(effects, plan), asked)))
+        columns = np.stack([(said[n.hypothesis] - said[()]) * n.deviation for n in beside], axis=1)
+        slopes = [  # per deviation
+            np.stack([(said[effects] - said[own.effects]) / by for effects, by in sizes], axis=1)
+            for own, sizes in zip(self.explanations, moved)
+        ]
         first = slopes[0]
         whitened = first - columns @ np.linalg.solve(np.eye(len(beside)) + columns.T @ columns, columns.T @ first)
         information = np.eye(first.shape[1]) + first.T @ whitened
         left = tuple(np.sqrt(np.diag(np.linalg.inv(information))))
-        if len(said) == 1:
+        if len(slopes) == 1:
             return Outlook(None, left, float(np.linalg.slogdet(information)[1]))
-        pairs = permutations(range(len(said)), 2)
-        apart = min(_left(said[a] - said[b], np.hstack([slopes[b], columns])) for a, b in pairs)
+        whole = [said[own.effects] for own in self.explanations]
+        pairs = permutations(range(len(whole)), 2)
+        apart = min(_left(whole[a] - whole[b], np.hstack([slopes[b], columns])) for a, b in pairs)
         return Outlook(float(np.sqrt(apart)), left, apart)
 
     def _said(self, effects: Hypothesis, plan: Experiment) -> Array:
