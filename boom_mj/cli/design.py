@@ -9,7 +9,7 @@ import typer
 
 from boom_mj.cli.arguments import AnswerFile, EffectFiles, find_machine, output_path, stopwatch
 from boom_mj.errors import InputError
-from boom_mj.files import read_json, write_text
+from boom_mj.files import write_text
 
 if TYPE_CHECKING:
     from boom_mj.systems.boom.design import Design, Explanation, Outlook
@@ -46,6 +46,7 @@ def command(
     """
     import numpy as np
 
+    from boom_mj.blind.answers import read_answer
     from boom_mj.systems.boom.design import designed
     from boom_mj.systems.boom.motions import as_toml
 
@@ -54,7 +55,7 @@ def command(
         output_path(output, ".toml")
     if (answer is None) == (between is None):
         raise InputError("give an answer of `gap diagnose --json`, or explanations with --between")
-    given = read_json(answer, InputError) if answer is not None else {}
+    given = read_answer(answer) if answer is not None else {}
     explanations = _of_words(between) if between is not None else _of_answer(given, str(answer))
     name = machine or given.get("provenance", {}).get("machine")
     if name is None:
@@ -102,7 +103,7 @@ def _of_answer(answer: Mapping[str, Any], path: str) -> "list[Explanation]":
                 ends = [sizes.get(name, {}).get(end) for end in ("low", "high")]
                 known = [effect.declared[name].coordinate(end) for end in ends if end is not None]
                 deviations.append(abs(known[1] - known[0]) / (2 * Z95) if len(known) == 2 else 1.0)
-        explanations.append(Explanation(tuple(effects), tuple(max(d, 1e-9) for d in deviations)))
+        explanations.append(Explanation(tuple(effects), tuple(deviations)))
     return explanations
 
 

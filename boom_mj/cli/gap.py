@@ -229,8 +229,8 @@ def _summary(answer: dict[str, Any]) -> str:
         lines.append(f"  left above the floor: {answer['remainder']['share']:.0%}, {answer['remainder']['looks_like']}")
         lines.append("  gap discover looks for a law that the library lacks")
     if answer["next_experiment"]:
-        better = "; gap design makes one that tells more" * ("hinges" in answer["provenance"])
-        lines.append(f"  next experiment: {answer['next_experiment']}{better}")
+        own = "; gap design makes one for this question" * ("hinges" in answer["provenance"])
+        lines.append(f"  next experiment: {answer['next_experiment']}{own}")
     for what in answer["skipped"][:4]:
         lines.append(f"  not looked at for want of time: {what}")
     return "\n".join(lines)

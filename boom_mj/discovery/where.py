@@ -10,6 +10,7 @@ from boom_mj.discovery.places import Place
 from boom_mj.effects import Site, laws
 from boom_mj.effects.spec_edits import BASE_AXES
 from boom_mj.recording import Signal
+from boom_mj.systems.mjcf.readout import temperature
 
 Array = np.ndarray
 Signals = Mapping[str, Signal]
@@ -166,9 +167,8 @@ def _joint(base: type[laws.Law], site: Site, motions: Motions) -> Iterator[Place
         position = np.interp(time, motion.time - line.start_s, motion.values[:, 0])
         speed = np.gradient(position, model.data.block_s)
         known = {"position": position, "speed": speed, "load": np.full_like(time, site.value), "time": time}
-        if warm := channels.temperature(joint):
-            known["temperature"] = np.interp(time, log[warm.name].time - line.start_s, log[warm.name].values[:, 0])
-        return known
+        warm = temperature(channels, joint, log, time)
+        return known if warm is None else {**known, "temperature": warm}
 
     variables = _varied(motions.trained(sense))
     middle = _middle(variables["position"])

@@ -98,6 +98,7 @@ def test_a_design_tells_more_than_the_median_of_what_was_drawn(monkeypatch: pyte
 
 
 ANSWER = {
+    "verdict": "explained",
     "provenance": {"machine": "boom36"},
     "ties": [],
     "effects": [
@@ -131,7 +132,9 @@ def test_an_answer_becomes_a_file_that_simulate_runs(
 @pytest.mark.parametrize(
     ("change", "words", "said"),
     [
-        ({"effects": []}, ["ANSWER"], "neither ties nor effects"),
+        ({"effects": [], "verdict": "consistent"}, ["ANSWER"], "neither ties nor effects"),
+        ({"verdict": "so so"}, ["ANSWER"], "is no answer"),
+        ({"effects": [{"id": "dead_zone", "location": {"actuator": "motor"}}]}, ["ANSWER"], "a boom has no effect"),
         ({}, [], "give an answer"),
         ({"provenance": {}}, ["ANSWER"], "of which machine"),
         ({"ties": [[{"id": "tip_payload", "location": {}}]]}, ["ANSWER"], "tip_payload has no sizes"),

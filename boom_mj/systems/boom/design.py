@@ -34,7 +34,7 @@ Hypothesis = tuple[Effect, ...]
 BLOCK_S = 0.1  # as of a diagnosis
 LONGEST = 125.0  # s, of an experiment of the catalogue
 CLEAR, EVERY_S = 1.5, 0.5  # m, that a straight boom stays above the ground: it sags; s, between looks
-STEP = 0.3  # typical sizes, at most, by which derivatives are taken
+STEPS, KNOWN = (1e-3, 0.3), 1e-9  # typical sizes: by which derivatives are taken; deviation of what is known
 PARENT = 1.5  # mean rank of what is varied
 DRAWS = 20  # for each random experiment that is wanted: most come close to the ground
 
@@ -64,9 +64,9 @@ class Explanation:
     def moved(self, number: int) -> tuple[Hypothesis, float]:
         """With one size otherwise, and by how many of its deviations."""
         owner, name, parameter = self.parameters[number]
-        effect, deviation = self.effects[owner], self.deviations[number]
+        effect, deviation = self.effects[owner], max(self.deviations[number], KNOWN)
         here = parameter.coordinate(effect.values[name])
-        step = min(deviation, STEP)
+        step = float(np.clip(deviation, *STEPS))
         value = parameter.value(here + step)
         if abs(parameter.coordinate(value) - here) < step / 2:  # at a bound
             value = parameter.value(here - step)
@@ -129,7 +129,7 @@ class Judge:
         beside = [n for n in nuisances() if not asked_for & {effect.cause for effect in n.hypothesis}]
         moved = [[own.moved(k) for k in range(len(own.parameters))] for own in self.explanations]
         asked = [(), *(n.hypothesis for n in beside), *(own.effects for own in self.explanations)]
-        asked += [effects for sizes in moved for effects, _ in sizes]
+        asked = [*dict.fromkeys((*asked, *(effects for sizes in moved for effects, _ in sizes)))]  # a plant runs once
         said = dict(zip(asked, self._pool.map(lambda effects: self._said(effects, plan), asked)))
         columns = np.stack([(said[n.hypothesis] - said[()]) * n.deviation for n in beside], axis=1)
         slopes = [  # per deviation
