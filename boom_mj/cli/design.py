@@ -47,7 +47,7 @@ def command(
     import numpy as np
 
     from boom_mj.blind.answers import read_answer
-    from boom_mj.systems.boom.design import designed
+    from boom_mj.systems.boom.design import asked_of, designed
     from boom_mj.systems.boom.motions import as_toml
 
     table = None if as_json in (None, "-") else output_path(Path(str(as_json)))
@@ -56,7 +56,7 @@ def command(
     if (answer is None) == (between is None):
         raise InputError("give an answer of `gap diagnose --json`, or explanations with --between")
     given = read_answer(answer) if answer is not None else {}
-    explanations = _of_words(between) if between is not None else _of_answer(given, str(answer))
+    explanations = _of_words(between) if between is not None else asked_of(given, str(answer))
     name = machine or given.get("provenance", {}).get("machine")
     if name is None:
         raise InputError("of which machine? Say it with --machine")
@@ -65,11 +65,11 @@ def command(
     text = json.dumps(document, indent=1)
     try:
         if output is not None:
-            write_text(output, f"# {document['sentence']}\n{as_toml(found.experiment)}")
+            write_text(output, f"# {document['sentence']}\n{as_toml(found.best[0])}")
         if table is not None:
             write_text(table, text)
     finally:  # a full disk does not cost the answer
-        print(text if as_json == "-" else _summary(document, as_toml(found.experiment)))
+        print(text if as_json == "-" else _summary(document, as_toml(found.best[0])))
 
 
 def _of_words(between: Sequence[str]) -> "list[Explanation]":
@@ -79,50 +79,23 @@ def _of_words(between: Sequence[str]) -> "list[Explanation]":
     return [Explanation.of(tuple(parse_effect(word.strip()) for word in one.split(PLUS))) for one in between]
 
 
-def _of_answer(answer: Mapping[str, Any], path: str) -> "list[Explanation]":
-    """What ties, or what was found, with how well it is known."""
-    from boom_mj.effects import make_effect
-    from boom_mj.estimation.intervals import Z95
-    from boom_mj.systems.boom.design import Explanation
-
-    ties = answer.get("ties") or []
-    found = answer.get("effects") or answer.get("suspect") or []
-    asked = [[one, *one.get("with", ())] for one in ties[0]] if ties else [found] if found else []
-    if not asked:
-        raise InputError(f"{path} has neither ties nor effects: say with --between what is to be told apart")
-    explanations = []
-    for rows in asked:
-        effects, deviations = [], list[float]()
-        for row in rows:
-            if "parameters" not in row:
-                raise InputError(f"{path}: {row.get('id')} has no sizes: it is of an older version; diagnose again")
-            sizes = row["parameters"]
-            values = {name: size["value"] for name, size in sizes.items()}
-            effects.append(effect := make_effect(row["id"], {**row["location"], **values}))
-            for name in effect.free(effect.site):
-                ends = [sizes.get(name, {}).get(end) for end in ("low", "high")]
-                known = [effect.declared[name].coordinate(end) for end in ends if end is not None]
-                deviations.append(abs(known[1] - known[0]) / (2 * Z95) if len(known) == 2 else 1.0)
-        explanations.append(Explanation(tuple(effects), tuple(deviations)))
-    return explanations
-
-
 def _document(found: "Design", explanations: "Sequence[Explanation]") -> dict[str, Any]:
     names, first = [" and ".join(map(_named, own.effects)) for own in explanations], explanations[0]
-    apart, known = found.outlook.separation, found.catalogue
+    (plan, outlook), known = found.best, found.catalogue
+    apart = outlook.separation
     sentence = f"It tells {' from '.join(names)} by {apart or 0:.3g} standard deviations"
     sizes = [
         {"id": first.effects[k].id, "location": first.effects[k].location, "parameter": name, "left": left}
-        for (k, name, _), left in zip(first.parameters, found.outlook.left)
+        for (k, name, _), left in zip(first.parameters, outlook.left)
     ]
     return {
         "sentence": sentence if apart is not None else f"It tells the sizes of {names[0]}",
         "explanations": names,
-        "designed": _outlook(found.outlook),
+        "designed": _outlook(outlook),
         "sizes": sizes,
-        "catalogue": {"name": known[0], **_outlook(known[1])} if known else None,
-        "random": _outlook(found.random) if found.random else None,
-        "experiment": found.experiment.model_dump(mode="json"),
+        "catalogue": {"name": known[0].name, **_outlook(known[1])} if known else None,
+        "random": _outlook(found.random[1]) if found.random else None,
+        "experiment": plan.model_dump(mode="json"),
     }
 
 

@@ -66,7 +66,7 @@ DRIVE = (
     _term("load_friction", f"abs(load) * {DRY}", "1"),
     _term("sag", "load * abs(speed)", "s/{x}"),
     _term("drag", "abs(speed) * speed", "{F} s^2/{x}^2"),
-    _term("inertia", "gradient(speed, time)", "{F} s^2/{x}"),
+    _term("inertia", "rate(time, speed)", "{F} s^2/{x}"),
     _term("spring", "(position - {middle:.9g})", "{F}/{x}"),
     _term("cubic_spring", "(position - {middle:.9g})**3", "{F}/{x}^3"),
     _term("drift", "time", "{F}/s"),

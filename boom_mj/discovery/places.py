@@ -4,6 +4,7 @@ import ast
 import operator
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from itertools import chain
 from typing import Any
 
@@ -19,14 +20,15 @@ THRESHOLDS = 12  # within a variable's range
 TIMES = (0.1, 0.3, 1.0, 3.0, 10.0)  # s, of memories
 HARDNESSES = (3e3, 3e4, 3e5)  # 1/rad^2: a secant twice as stiff at 18, 6 and 2 mrad
 GRIDS = {"time": TIMES, "hardness": HARDNESSES}
-NAMES = {
-    name: getattr(np, name) for name in ("sin", "cos", "pi", "maximum", "minimum", "ones_like", "abs", "gradient")
-} | {
+NAMES = {name: getattr(np, name) for name in ("sin", "cos", "pi", "maximum", "minimum", "ones_like", "abs")} | {
     "direction": laws.direction,
     "fading": laws.fading,
     "lagged": laws.lagged,
+    "rate": laws.rate,
 }
 """What formulas may call."""
+MEMORIES = ("lagged", "fading")
+"""Those that depend on more than the last two moments."""
 OPERATORS: Mapping[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -111,7 +113,12 @@ class Place:
 
 def value_of(formula: str, variables: Mapping[str, Any]) -> Any:
     """A formula of the grammar at given variables; nothing else than NAMES can be called."""
-    return _value(ast.parse(formula, mode="eval").body, variables)
+    return _value(_parsed(formula), variables)
+
+
+@cache
+def _parsed(formula: str) -> ast.expr:
+    return ast.parse(formula, mode="eval").body
 
 
 def _value(node: ast.expr, variables: Mapping[str, Any]) -> Any:
@@ -161,6 +168,7 @@ def law_class(place: Place, terms: Sequence[Term], sizes: Mapping[str, float] | 
         **place.attributes,
     }
     if hasattr(place.base, "law"):
+        body["remembers"] = any(name in formula for name in MEMORIES)
         body["law"] = lambda self, **variables: value_of(formula, variables)
     return type("FoundLaw", (place.base,), body)
 

@@ -12,7 +12,7 @@ from boom_mj.effects.laws import Law
 
 DIGITS = 4
 WIDTH = 110  # characters of a line
-HELPERS = ("direction", "fading", "lagged")
+HELPERS = ("direction", "fading", "lagged", "rate")
 FILE = '''"""{title}
 
 {story}

@@ -3,7 +3,7 @@
 from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -70,7 +70,13 @@ class Motion:
 
 
 class ForceEffect(Effect):
-    """An effect that pushes."""
+    """An effect that pushes.
+
+    Attributes:
+        in_loop: whether it acts on what an MJCF machine does in the simulation; else on the motion that was measured.
+    """
+
+    in_loop: ClassVar[bool] = False
 
     @abstractmethod
     def force(self, motion: Motion) -> Mapping[str, Array]:

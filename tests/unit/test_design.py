@@ -93,8 +93,8 @@ def test_a_design_tells_more_than_the_median_of_what_was_drawn(monkeypatch: pyte
     monkeypatch.setattr(design, "CATALOGUE", {"still": STILL})
     pair = [explanation("tip_payload:mass=40"), explanation("link_mass:link=5,factor=1.3")]
     found = designed(MACHINE, pair, 12.0, tries=2, rng=np.random.default_rng(4))
-    assert found.outlook.gain >= found.random.gain and found.outlook.gain >= found.catalogue[1].gain
-    assert found.catalogue[0] == "still" and found.experiment.duration <= 12.0
+    assert found.best[1].gain >= found.random[1].gain and found.best[1].gain >= found.catalogue[1].gain
+    assert found.catalogue[0].name == "still" and found.best[0].duration <= 12.0
 
 
 ANSWER = {

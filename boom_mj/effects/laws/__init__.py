@@ -6,6 +6,7 @@ place - arrays (n,) by name - and the parameters. It vanishes where all paramete
 
 from boom_mj.effects.filters import fading as fading
 from boom_mj.effects.filters import lagged as lagged
+from boom_mj.effects.filters import rate as rate
 from boom_mj.effects.laws.boom import AXES as AXES
 from boom_mj.effects.laws.boom import AngleLaw as AngleLaw
 from boom_mj.effects.laws.boom import BaseLaw as BaseLaw

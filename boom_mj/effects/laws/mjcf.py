@@ -3,7 +3,7 @@
 from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, ClassVar
 
 from boom_mj.effects.base import Array
 from boom_mj.effects.kinds import INVERSIONS, ActuatorEffect, ForceEffect, Motion, OutputEffect
@@ -14,9 +14,15 @@ from boom_mj.recording import Signal
 class JointLaw(Law, ForceEffect):
     """What resists the motion of a joint of any MJCF machine; `load` is what its actuator exerts without it.
 
-    Where its `variables` hold TEMPERATURE, it is where that is logged.
+    Of a joint that is free it sees the simulated motion: with the measured one a law could be the joint's equation of
+    motion, which any machine fulfils. Where its `variables` hold TEMPERATURE, it is where that is logged.
+
+    Attributes:
+        remembers: whether it depends on more than the last two moments.
     """
 
+    in_loop = True
+    remembers: ClassVar[bool] = True
     at = ("joint",)
     needs = frozenset({"mjcf", "measured"})
     variables = {"position": "", "speed": "", "load": "", "time": "s"}
@@ -30,7 +36,7 @@ class JointLaw(Law, ForceEffect):
 
     @abstractmethod
     def law(self, **variables: Any) -> Array:
-        """Resisting force, (n,), N or N m, positive against positive speed."""
+        """Resisting force, (..., n), N or N m, positive against positive speed; `time` is (n,), the others (..., n)."""
 
 
 class ActuatorLaw(Law, ActuatorEffect):

@@ -13,15 +13,17 @@ is how far apart they stay when sizes and nuisances are fitted (T-optimality: At
 the covariance of the sizes after the experiment, in deviations before it (D-optimality: its determinant).
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import permutations
+from typing import Any
 
 import numpy as np
 
-from boom_mj.effects import Effect, Parameter
-from boom_mj.errors import BoomError, ExperimentError
+from boom_mj.effects import Effect, Parameter, make_effect
+from boom_mj.errors import BoomError, ExperimentError, InputError
+from boom_mj.estimation.intervals import Z95
 from boom_mj.machine import Machine
 from boom_mj.sensors import measure, noise_levels, sample_rates
 from boom_mj.simulation import CATALOGUE, Experiment, Plant, make_plant, run_experiment
@@ -99,14 +101,47 @@ class Outlook:
         return float(weights @ (1 / (1 + np.exp(-odds))) / weights.sum())
 
 
+def asked_of(answer: Mapping[str, Any], path: str) -> list[Explanation]:
+    """What ties in an answer of a diagnosis, or what it found, with how well that is known.
+
+    Args:
+        path: of the answer, for errors.
+
+    Raises:
+        InputError: there is neither.
+    """
+    ties = answer.get("ties") or []
+    found = answer.get("effects") or answer.get("suspect") or []
+    asked = [[one, *one.get("with", ())] for one in ties[0]] if ties else [found] if found else []
+    if not asked:
+        raise InputError(f"{path} has neither ties nor effects: say with --between what is to be told apart")
+    explanations = []
+    for rows in asked:
+        effects, deviations = [], list[float]()
+        for row in rows:
+            if "parameters" not in row:
+                raise InputError(f"{path}: {row.get('id')} has no sizes: it is of an older version; diagnose again")
+            sizes = row["parameters"]
+            values = {name: size["value"] for name, size in sizes.items()}
+            effects.append(effect := make_effect(row["id"], {**row["location"], **values}))
+            for name in effect.free(effect.site):
+                ends = [sizes.get(name, {}).get(end) for end in ("low", "high")]
+                known = [effect.declared[name].coordinate(end) for end in ends if end is not None]
+                deviations.append(abs(known[1] - known[0]) / (2 * Z95) if len(known) == 2 else 1.0)
+        explanations.append(Explanation(tuple(effects), tuple(deviations)))
+    return explanations
+
+
+Rated = tuple[Experiment, Outlook]
+
+
 @dataclass(frozen=True)
 class Design:
-    """The best experiment found, and what the catalogue's best and the median of random ones would tell."""
+    """The best experiment found, and for comparison the catalogue's best and the median of the random ones."""
 
-    experiment: Experiment
-    outlook: Outlook
-    catalogue: tuple[str, Outlook] | None
-    random: Outlook | None
+    best: Rated
+    catalogue: Rated | None
+    random: Rated | None
 
 
 class Judge:
@@ -202,7 +237,7 @@ def designed(
     """
     rng, judge = rng or np.random.default_rng(0), Judge(machine, explanations)
 
-    def judged(plan: Experiment) -> tuple[Experiment, Outlook] | None:
+    def judged(plan: Experiment) -> Rated | None:
         try:
             return plan, judge.outlook(plan)
         except BoomError:
@@ -212,7 +247,7 @@ def designed(
     short = [plan for plan in short if plan.release is None or np.abs(plan.load).max() <= load]
     known = _ranked(filter(None, map(judged, short)))
     tell(f"catalogue: {len(known)} experiments can be done in {seconds:g} s")
-    found = list[tuple[Experiment, Outlook]]()
+    found = list[Rated]()
     for _ in range(DRAWS * tries):
         plan = drawn(machine, seconds, load, rng)
         if len(found) < tries and fits(plan, machine) and judge.high(plan) and (one := judged(plan)):
@@ -227,11 +262,10 @@ def designed(
             pool = _ranked([*pool, one])
         if number % 10 == 0:
             tell(f"{number} of {tries} variations, best gain {pool[0][1].gain:.3g}")
-    best = (known[0][0].name, known[0][1]) if known else None
-    return Design(*pool[0], best, _ranked(found)[len(found) // 2][1] if found else None)
+    return Design(pool[0], known[0] if known else None, _ranked(found)[len(found) // 2] if found else None)
 
 
-def _ranked(found: Iterable[tuple[Experiment, Outlook]]) -> list[tuple[Experiment, Outlook]]:
+def _ranked(found: Iterable[Rated]) -> list[Rated]:
     return sorted(found, key=lambda one: -one[1].gain)
 
 

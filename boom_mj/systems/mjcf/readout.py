@@ -1,11 +1,14 @@
 """What goes into a stretch of a log's simulation, and what its run says in the channels of the map."""
 
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 
-from boom_mj.effects import Effect, ForceEffect, InputEffect, Motion
+from boom_mj.effects import Effect, ForceEffect, InputEffect
 from boom_mj.recording import Recording
 from boom_mj.systems.mjcf.channel_map import ChannelEntry, ChannelMap
+from boom_mj.systems.mjcf.pushing import Push, exertion
 from boom_mj.systems.mjcf.rollout import Inputs, Run, joint_of
 
 Array = np.ndarray
@@ -16,7 +19,7 @@ def inputs_of(
     spec: mujoco.MjSpec, channels: ChannelMap, hypothesis: Hypothesis, log: Recording, begin: float, time: Array
 ) -> Inputs:
     """What drives a stretch that begins at a log's time, at the steps of the simulation, under effects."""
-    path, command, force = {}, {}, {}
+    path, command, force, reaction = {}, {}, {}, {}
     for entry in channels.role("drive"):
         values = log[entry.name].values[:, 0]
         clock = log[entry.name].time - begin
@@ -32,29 +35,20 @@ def inputs_of(
     for joint in pushed(hypothesis, channels):
         motion = log[f"motion/{joint}"]
         position = _spline(motion.time - begin, motion.values[:, 0], time)
-        speed = np.gradient(position, time)
-        own = (a for a in command if joint_of(spec, a) == joint)
-        load = sum((exerted(spec, a, command[a], position, speed) for a in own), np.zeros(len(time)))
-        moving = _moving(channels, joint, log, time, position, speed, load)
-        force[joint] = np.sum([effect.force(moving)[joint] for effect in _forces(hypothesis, joint)], axis=0)
+        motors = [(exertion(spec, a), command[a]) for a in command if joint_of(spec, a) == joint]
+        push = Push(joint, (), tuple(motors), temperature(channels, joint, log, time))
+        effects = _forces(hypothesis, joint)
+        measured, simulated = (tuple(e for e in effects if e.in_loop == by) for by in (False, True))
+        force[joint] = replace(push, effects=measured)(time, position, np.gradient(position, time))
+        if simulated:
+            reaction[joint] = replace(push, effects=simulated)
     start = {
         name.removeprefix("start/"): (float(signal.values[0, 0]), float(signal.values[0, 1]))
         for name, signal in log.signals.items()
         if name.startswith("start/")
     }
-    return Inputs(time, path, command, force, {joint: state for joint, state in start.items() if joint not in path})
-
-
-def exerted(spec: mujoco.MjSpec, actuator: str, command: Array, position: Array, speed: Array) -> Array:
-    """What an actuator exerts on its joint, (n,): of a servo the set point is no force.
-
-    MuJoCo's gear (gain u + bias_0 + bias_1 length + bias_2 velocity), without the actuator's own dynamics.
-    """
-    found = spec.actuator(actuator)
-    gear, bias = found.gear[0], found.biasprm
-    held = bias[0] + gear * (bias[1] * position + bias[2] * speed)
-    affine = found.biastype == mujoco.mjtBias.mjBIAS_AFFINE
-    return gear * (found.gainprm[0] * command + (held if affine else 0.0))
+    start = {joint: state for joint, state in start.items() if joint not in path}
+    return Inputs(time, path, command, force, start, reaction)
 
 
 def said(
@@ -75,10 +69,10 @@ def said(
     joint = joint_of(spec, entry.actuator)
     if joint not in channels.driven:
         return run.force[entry.actuator]
-    force = run.force[joint]
+    force, warm = run.force[joint], temperature(channels, joint, log, run.time)
     for effect in _forces(effects, joint):
-        moving = _moving(channels, joint, log, run.time, run.position[joint], run.velocity[joint], force)
-        force = force - effect.force(moving)[joint]
+        exerted = ((lambda load, *_: load, force),)
+        force = force - Push(joint, (effect,), exerted, warm)(run.time, run.position[joint], run.velocity[joint])
     for motor in reversed(_at(effects, "actuator", entry.actuator)):
         force = motor.invert(run.time, force)
     return force
@@ -98,19 +92,16 @@ def temperature(channels: ChannelMap, joint: str, log: Recording, time: Array) -
     return np.interp(time, own.time - log["start"].time[0], own.values[:, 0])
 
 
-def _moving(
-    channels: ChannelMap, joint: str, log: Recording, time: Array, position: Array, speed: Array, load: Array
-) -> Motion:
-    """How one joint moves, as effects see it."""
-    warm = temperature(channels, joint, log, time)
-    own = {} if warm is None else {joint: warm}
-    return Motion(time, {joint: position}, {joint: speed}, {joint: load}, own)
-
-
 def pushed(hypothesis: Hypothesis, channels: ChannelMap) -> tuple[str, ...]:
     """Joints that effects push: those that are not driven."""
     joints = {str(e.location["joint"]) for e in hypothesis if isinstance(e, ForceEffect)}
     return tuple(sorted(joints - set(channels.driven)))
+
+
+def in_loop(hypothesis: Hypothesis, channels: ChannelMap) -> bool:
+    """Whether an effect pushes a joint that is not driven by what the simulation does."""
+    hands = pushed(hypothesis, channels)
+    return any(isinstance(e, ForceEffect) and e.in_loop and e.location["joint"] in hands for e in hypothesis)
 
 
 def _at(hypothesis: Hypothesis, key: str, name: str) -> list[InputEffect]:

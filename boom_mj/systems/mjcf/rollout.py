@@ -4,19 +4,23 @@ A driven joint carries a huge armature A and a servo whose reference is fed forw
 path; what the servo exerts beyond accelerating A is the force of its actuator. It is how the boom is driven, too.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import mujoco
 import numpy as np
 from mujoco.batch import Batch
 
 from boom_mj.engine import mass_matrix
+from boom_mj.errors import SimulationError
 from boom_mj.simulation.diverged import diverged
+from boom_mj.systems.mjcf.pushing import Push, together
 
 Array = np.ndarray
 HEAVY = 1e6  # armature of a driven joint over its own inertia
 SERVO = 2 * np.pi * 2.0  # rad/s
+THREADS = 1  # of one simulation; several run at a time
+RECORD = "qpos", "qvel", "qacc", "sensordata", "actuator_force"
 DRIVE, HAND = "drive/", "hand/"  # actuators of ours: servos, and forces by hand
 
 
@@ -30,6 +34,7 @@ class Inputs:
         command: of actuators, by name, (n,).
         force: on joints, by name, (n,).
         start: position and speed of joints that are free, by name.
+        reaction: on joints, by name, beside `force`: what follows from the motion, of as many commands.
     """
 
     time: Array
@@ -37,6 +42,7 @@ class Inputs:
     command: Mapping[str, Array]
     force: Mapping[str, Array]
     start: Mapping[str, tuple[float, float]]
+    reaction: Mapping[str, Push] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -95,52 +101,91 @@ def heavy_armature(model: mujoco.MjModel, joint: str) -> float:
     return float(model.actuator(DRIVE + joint).gainprm[0]) / SERVO**2
 
 
-def simulate(model: mujoco.MjModel, inputs: Inputs) -> Run:
-    """Simulate a inputs.
+def simulate(model: mujoco.MjModel, stretches: Sequence[Inputs]) -> list[Run | SimulationError]:
+    """Simulate stretches, side by side; where one diverged its error."""
+    count = max(len(inputs.time) for inputs in stretches)
+    batch, control = Batch(model, len(stretches), THREADS), np.zeros((len(stretches), count, model.nu))
+    batch.qpos[:], batch.qvel[:] = model.qpos0, 0
+    for row, inputs in enumerate(stretches):
+        _begin(model, batch, row, inputs, control[row])
+    qpos, qvel = (np.empty((len(stretches), count + 1, size)) for size in (model.nq, model.nv))
+    qpos[:, 0], qvel[:, 0] = batch.qpos, batch.qvel
+    if any(inputs.reaction for inputs in stretches):
+        record = _step_by_step(model, batch, control, stretches)
+    else:
+        record = batch.rollout(count, control, record=RECORD)
+    qpos[:, 1:], qvel[:, 1:] = record["qpos"], record["qvel"]
+    runs = list[Run | SimulationError]()
+    for row, inputs in enumerate(stretches):
+        end = len(inputs.time) + 1
+        if batch.warning[row].any() or not np.isfinite(qpos[row, end - 1]).all():
+            error = diverged(model, qpos[row, :end], qvel[row, :end], batch.warning[row], "the model")
+            runs.append(error)
+        else:
+            own = {name: values[row, : end - 1] for name, values in record.items()}
+            runs.append(_run(model, inputs, qpos[row, : end - 1], qvel[row, :end], own))
+    return runs
 
-    Raises:
-        SimulationError: the simulation diverged.
-    """
-    time = inputs.time
-    step, count = model.opt.timestep, len(time)
-    control = np.zeros((count, model.nu))
-    batch = Batch(model, 1, 1)
-    batch.qpos[0], batch.qvel[0] = model.qpos0, 0
+
+def _begin(model: mujoco.MjModel, batch: Batch, row: int, inputs: Inputs, control: Array) -> None:
+    """The state of one simulation at the beginning of a stretch, and its control, (n, nu); what is over stays."""
+    step, count = model.opt.timestep, len(inputs.time)
     for joint, (position, speed) in inputs.start.items():
         address, dof = model.joint(joint).qposadr[0], model.joint(joint).dofadr[0]
-        batch.qpos[0, address], batch.qvel[0, dof] = position, speed
+        batch.qpos[row, address], batch.qvel[row, dof] = position, speed
     for joint, path in inputs.path.items():
         before, after = (3 * a - 3 * b + c for a, b, c in (path[:3], path[:-4:-1]))
         padded = np.concatenate([[before], path, [after]])
         speed = np.diff(padded) / step
-        control[:, model.actuator(DRIVE + joint).id] = path + np.diff(speed) / step / SERVO**2
-        batch.qpos[0, model.joint(joint).qposadr[0]] = path[0]
-        batch.qvel[0, model.joint(joint).dofadr[0]] = speed[0]
+        control[:count, model.actuator(DRIVE + joint).id] = path + np.diff(speed) / step / SERVO**2
+        batch.qpos[row, model.joint(joint).qposadr[0]] = path[0]
+        batch.qvel[row, model.joint(joint).dofadr[0]] = speed[0]
     for name, command in inputs.command.items():
         actuator = model.actuator(name)
-        control[:, actuator.id] = command
+        control[:count, actuator.id] = command
         if actuator.actnum[0] == 1:
-            batch.act[0, actuator.actadr[0]] = command[0]
+            batch.act[row, actuator.actadr[0]] = command[0]
     for joint, force in inputs.force.items():
-        control[:, model.actuator(HAND + joint).id] = force
+        control[:count, model.actuator(HAND + joint).id] = force
+    control[count:] = control[count - 1]
 
-    qpos, qvel = np.empty((1, count + 1, model.nq)), np.empty((1, count + 1, model.nv))
-    qpos[0, 0], qvel[0, 0] = batch.qpos[0], batch.qvel[0]
-    record = batch.rollout(count, control[None], record=("qpos", "qvel", "qacc", "sensordata", "actuator_force"))
-    qpos[:, 1:], qvel[:, 1:] = record["qpos"], record["qvel"]
-    if batch.warning[0].any() or not np.isfinite(qpos[0, -1]).all():
-        raise diverged(model, qpos[0], qvel[0], batch.warning[0], "the model")
-    middle = (qvel[0, :-1] + qvel[0, 1:]) / 2
+
+def _step_by_step(model: mujoco.MjModel, batch: Batch, control: Array, stretches: Sequence[Inputs]) -> dict[str, Array]:
+    """What a rollout records where forces follow from what the machine does."""
+    count, step = control.shape[1], model.opt.timestep
+    time = step * np.arange(-1, count)
+    pushed = []
+    for joint in stretches[0].reaction:
+        push = together([inputs.reaction[joint] for inputs in stretches], count)
+        address, dof = model.joint(joint).qposadr[0], model.joint(joint).dofadr[0]
+        position, speed = np.empty((2, len(stretches), count + 1))
+        speed[:, 0] = batch.qvel[:, dof]
+        position[:, 0] = batch.qpos[:, address] - step * speed[:, 0]
+        pushed.append((model.actuator(HAND + joint).id, address, dof, position, speed, push))
+    parts = []
+    for k in range(count):
+        for hand, address, dof, position, speed, push in pushed:
+            position[:, k + 1], speed[:, k + 1] = batch.qpos[:, address], batch.qvel[:, dof]
+            first = 0 if push.memory is None else k + 2 - push.memory
+            past = slice(first, k + 2)
+            control[:, k, hand] += push(time[past], position[:, past], speed[:, past], first)[:, -1]
+        parts.append(batch.rollout(1, control[:, k : k + 1], record=RECORD))
+    return {name: np.concatenate([part[name] for part in parts], axis=1) for name in RECORD}
+
+
+def _run(model: mujoco.MjModel, inputs: Inputs, qpos: Array, qvel: Array, record: Mapping[str, Array]) -> Run:
+    """What a stretch did, by name: positions (n, nq) and speeds (n + 1, nv)."""
+    middle = (qvel[:-1] + qvel[1:]) / 2
     joints = [model.joint(k) for k in range(model.njnt) if model.joint(k).type[0] in (2, 3)]
-    exerted = record["actuator_force"][0] * model.actuator_gear[:, 0]
+    exerted = record["actuator_force"] * model.actuator_gear[:, 0]
     forces = {model.actuator(k).name: exerted[:, k] for k in range(model.nu)}
-    acceleration = {j.name: record["qacc"][0][:, j.dofadr[0]] for j in joints}
+    acceleration = {j.name: record["qacc"][:, j.dofadr[0]] for j in joints}
     driven = {j: forces[DRIVE + j] - heavy_armature(model, j) * acceleration[j] for j in inputs.path}
     return Run(
-        time,
-        {j.name: qpos[0, :-1, j.qposadr[0]] for j in joints},
+        inputs.time,
+        {j.name: qpos[:, j.qposadr[0]] for j in joints},
         {j.name: middle[:, j.dofadr[0]] for j in joints},
         acceleration,
         {**forces, **driven},
-        record["sensordata"][0],
+        record["sensordata"],
     )

@@ -7,13 +7,13 @@ import mujoco
 import numpy as np
 
 from boom_mj.effects import ModelEffect, OutputEffect, Site, is_output, make_effect
-from boom_mj.errors import EffectError
+from boom_mj.errors import EffectError, SimulationError
 from boom_mj.recording import Recording, Signal
 from boom_mj.systems.fidelity import FidelityLadder, Level, Refinement
 from boom_mj.systems.mjcf.channel_map import ChannelMap
 from boom_mj.systems.mjcf.checking import check
-from boom_mj.systems.mjcf.readout import inputs_of, joint_moved, pushed, said, temperature
-from boom_mj.systems.mjcf.rollout import Run, drivable, simulate
+from boom_mj.systems.mjcf.readout import in_loop, inputs_of, joint_moved, pushed, said, temperature
+from boom_mj.systems.mjcf.rollout import Inputs, Run, drivable, simulate
 from boom_mj.systems.mjcf.segments import smoothed
 from boom_mj.systems.mjcf.settings import with_settings
 from boom_mj.systems.mjcf.sites import sites_of
@@ -34,6 +34,7 @@ FIDELITY = FidelityLadder(BASE, BASE, BASE, (Refinement(FINE, 2.0, 2.0),), BASE)
 BANDS_HZ = (("static", 0.2), ("slow", 1.0), ("middle", 5.0), ("above", np.inf))
 STILL, NEVER = 0.02, 1e-9  # of a joint's fastest speed in a stretch; speed of what never moves
 KEPT = 24  # compiled models
+TOGETHER = 8  # hypotheses whose runs of all stretches are kept
 
 
 class MjcfSystem:
@@ -73,6 +74,9 @@ class MjcfSystem:
             provenance={"step_s": spec.option.timestep, "block_s": channels.block_s, "stretch_s": channels.window},
         )
         self._models: dict[tuple, mujoco.MjModel] = {}
+        self._asked: dict[int, Recording] = {}
+        self._runs: dict[tuple, dict[int, Run | SimulationError]] = {}
+        self._stepping = Lock()
         self._compiling = Lock()
         runs = [self.run((), BASE, log) for log in recordings]
         self._sites = sites_of(spec, channels, recordings, runs)
@@ -141,12 +145,42 @@ class MjcfSystem:
         return spec.to_xml() + "".join(why)
 
     def run(self, hypothesis: Hypothesis, level: Level, log: Recording) -> Run:
-        """A stretch under effects; those of compared channels are left to `observe`."""
-        model, line = self._model(hypothesis, level, log.description), self.timeline(log)
-        step = model.opt.timestep
+        """A stretch under effects; those of compared channels are left to `observe`.
+
+        Raises:
+            SimulationError: it diverged.
+        """
+        self._asked[id(log)] = log
+        found = self._together(hypothesis, level, log) if in_loop(hypothesis, self.channels) else None
+        run = (
+            found
+            or simulate(self._model(hypothesis, level, log.description), [self._inputs(hypothesis, level, log)])[0]
+        )
+        if isinstance(run, SimulationError):
+            raise run
+        return run
+
+    def _inputs(self, hypothesis: Hypothesis, level: Level, log: Recording) -> Inputs:
+        line, step = self.timeline(log), self.spec.option.timestep * level.step
         time = step * np.arange(int(np.ceil(line.duration_s / step - 1e-9)) + 1)
-        spec = self._spec(log.description)
-        return simulate(model, inputs_of(spec, self.channels, hypothesis, log, line.start_s, time))
+        return inputs_of(self._spec(log.description), self.channels, hypothesis, log, line.start_s, time)
+
+    def _together(self, hypothesis: Hypothesis, level: Level, log: Recording) -> Run | SimulationError:
+        """Steps that wait for forces are taken in all stretches at once that are known; the last few runs are kept."""
+        settings = self.channels.of_log(log.description).set
+        key = frozenset(hypothesis), level, tuple(settings.items())
+        with self._stepping:
+            known = self._runs.pop(key, {})
+            if id(log) not in known:
+                asked = [one for name, one in self._asked.items() if name not in known]
+                alike = [one for one in asked if self.channels.of_log(one.description).set == settings]
+                inputs = [self._inputs(hypothesis, level, one) for one in alike]
+                runs = simulate(self._model(hypothesis, level, log.description), inputs)
+                known |= dict(zip(map(id, alike), runs))
+            self._runs[key] = known
+            if len(self._runs) > TOGETHER:
+                self._runs.pop(next(iter(self._runs)))
+            return known[id(log)]
 
     def _spec(self, log: str) -> mujoco.MjSpec:
         """The nominal model as it is in a log at a path."""

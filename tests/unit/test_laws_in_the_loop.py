@@ -1,0 +1,97 @@
+"""A law of a free joint acts on what the model does: it is not given the motion that it shall predict."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from boom_mj.effects import Parameter, laws
+from boom_mj.errors import SimulationError
+from boom_mj.recording import Recording
+from boom_mj.systems.mjcf import MjcfSystem
+from boom_mj.systems.mjcf.settings import with_settings
+from boom_mj.systems.mjcf.system import BASE
+from tests.laws.arm import predictor, system
+
+pytestmark = pytest.mark.usefixtures("own_files")
+WHEEL = 0.5 * 0.5 * 0.1**2  # kg m^2
+
+
+class Held(laws.JointLaw):
+    """A spring, a damper and an inertia."""
+
+    id = "test_held"
+    table = {
+        "stiffness": Parameter("N m/rad", 0.0, -10.0, 10.0, 0.01),
+        "damping": Parameter("N m s/rad", 0.0, -1.0, 1.0, 0.01),
+        "inertia": Parameter("kg m^2", 0.0, -1.0, 1.0, 1e-3),
+    }
+
+    def law(self, position, speed, load, time, stiffness, damping, inertia):
+        return stiffness * position + damping * speed + inertia * laws.rate(time, speed)
+
+
+class Twice(laws.JointLaw):
+    """A drive that exerts more."""
+
+    id = "test_twice"
+    table = {"gain": Parameter("1", 0.0, -1.0, 1.0, 0.1)}
+
+    def law(self, position, speed, load, time, gain):
+        return -gain * load
+
+
+def log() -> Recording:
+    return predictor().data.recordings[0]
+
+
+def turn(machine: MjcfSystem, *effects: laws.JointLaw, of: Recording | None = None) -> np.ndarray:
+    return machine.simulate(effects, BASE, of or log())["turn"].values[:, 0]
+
+
+def at_spin(kind: type[laws.JointLaw], **sizes: float) -> laws.JointLaw:
+    site = next(site for site in kind.allowed(system().sites()) if site.location.get("joint") == "spin")
+    return kind(site, **sizes)
+
+
+def edited(key: str, value: float) -> MjcfSystem:
+    """The machine with one number of its MJCF file otherwise."""
+    own = system()
+    noise = {name: float(level[0]) for name, level in own.facts.noise.items()}
+    return MjcfSystem(with_settings(own.spec, {key: value}), own.channels, predictor().data.recordings, noise)
+
+
+@pytest.mark.parametrize(
+    ("name", "size", "number", "value"),
+    [
+        ("stiffness", 0.02, "stiffness", 0.02),
+        ("damping", 0.03, "damping", 0.02 + 0.03),
+        ("inertia", 0.4 * WHEEL, "armature", 0.4 * WHEEL),
+    ],
+)
+def test_a_law_does_what_the_model_file_would(name: str, size: float, number: str, value: float) -> None:
+    """MuJoCo's own spring, damper and armature."""
+    by_law, by_file = turn(system(), at_spin(Held, **{name: size})), turn(edited(f"joint spin.{number}", value))
+    assert np.ptp(by_file - turn(system())) > 0.1
+    assert by_law == pytest.approx(by_file, abs=0.01 * np.ptp(by_file))
+
+
+def test_what_was_measured_after_the_start_is_not_used() -> None:
+    """Else the joint's own equation of motion, of what was measured, would explain any machine."""
+    motion = log()["motion/spin"]
+    other = log().with_signals(
+        {"motion/spin": replace(motion, values=motion.values + np.sin(5 * motion.time)[:, None])}
+    )
+    law = at_spin(Held, stiffness=0.02, damping=0.01, inertia=0.2 * WHEEL)
+    assert np.array_equal(turn(system(), law), turn(system(), law, of=other))
+
+
+def test_load_is_what_the_actuator_exerts_at_the_time() -> None:
+    assert turn(system(), at_spin(Twice, gain=0.5)) == pytest.approx(
+        turn(edited("actuator spinner.gear", 1.5)), abs=1e-9
+    )
+
+
+def test_a_law_that_cancels_the_machine_ends_in_one_sentence() -> None:
+    with pytest.raises(SimulationError, match="left the numbers"):
+        turn(system(), at_spin(Held, inertia=-2 * WHEEL))
