@@ -173,6 +173,14 @@ def law_class(place: Place, terms: Sequence[Term], sizes: Mapping[str, float] | 
     return type("FoundLaw", (place.base,), body)
 
 
+def first_order(place: Place, term: Term) -> type[Effect]:
+    """The law that one term is at a place, as it is screened: small."""
+    kind = law_class(place, (term,))
+    if getattr(kind, "sees", "") == "simulated":
+        kind.sees = "nominal"  # type: ignore[attr-defined]
+    return kind
+
+
 def shape_parameter(place: Place, shape: Shape, start: float) -> Parameter:
     """A shape with its bounds: those of its grid, and what lies between two of its points is worth a step."""
     grid = np.sort(place.grid(shape))

@@ -17,7 +17,7 @@ from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.scoring import Scored, score
 from boom_mj.diagnosis.screening import Screening
 from boom_mj.discovery.grammar import Term
-from boom_mj.discovery.places import Place, law_class
+from boom_mj.discovery.places import Place, first_order, law_class
 from boom_mj.estimation.intervals import Z95
 from boom_mj.estimation.least_squares import OPTIONS
 
@@ -111,7 +111,7 @@ def _promise(own: Sequence[Sum]) -> float:
 
 def _screened(model: Linearisation, raw: Array, places: Mapping[Place, Sequence[Term]]) -> dict[Place, list[Sum]]:
     """The best sums of some terms at every place."""
-    kinds = {law_class(place, (term,)): (place, term) for place, terms in places.items() for term in terms}
+    kinds = {first_order(place, term): (place, term) for place, terms in places.items() for term in terms}
     screening = Screening(model, [(kind, place.site) for kind, (place, _) in kinds.items()], ())
     columns = dict[Place, list[Column]]()
     for (kind, _, group), part in zip(screening.rows, screening.stretches):

@@ -73,10 +73,11 @@ class ForceEffect(Effect):
     """An effect that pushes.
 
     Attributes:
-        in_loop: whether it acts on what an MJCF machine does in the simulation; else on the motion that was measured.
+        sees: the motion of an MJCF machine's free joint that it depends on: "measured", "simulated", or "nominal", that
+            of a simulation without effects, to first order the same and cheaper.
     """
 
-    in_loop: ClassVar[bool] = False
+    sees: ClassVar[str] = "measured"
 
     @abstractmethod
     def force(self, motion: Motion) -> Mapping[str, Array]:

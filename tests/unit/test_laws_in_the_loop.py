@@ -1,16 +1,20 @@
 """A law of a free joint acts on what the model does: it is not given the motion that it shall predict."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
+from boom_mj.discovery import discover
 from boom_mj.effects import Parameter, laws
 from boom_mj.errors import SimulationError
 from boom_mj.recording import Recording
-from boom_mj.systems.mjcf import MjcfSystem
+from boom_mj.systems.mjcf import MjcfSystem, load_mjcf
 from boom_mj.systems.mjcf.settings import with_settings
 from boom_mj.systems.mjcf.system import BASE
+from boom_mj.systems.predictor import Predictor
 from tests.laws.arm import predictor, system
 
 pytestmark = pytest.mark.usefixtures("own_files")
@@ -86,6 +90,19 @@ def test_what_was_measured_after_the_start_is_not_used() -> None:
     assert np.array_equal(turn(system(), law), turn(system(), law, of=other))
 
 
+def test_a_small_law_is_screened_as_it_acts() -> None:
+    """By the motion of the machine without it: the same to first order."""
+
+    class Glimpsed(Held):
+        id = "test_glimpsed"
+        sees = "nominal"
+
+    size, healthy = {"stiffness": 1e-4, "damping": 1e-4, "inertia": 1e-3 * WHEEL}, turn(system())
+    exact, quick = (turn(system(), at_spin(kind, **size)) - healthy for kind in (Held, Glimpsed))
+    assert np.ptp(exact) > 1e-3
+    assert quick == pytest.approx(exact, abs=0.02 * np.ptp(exact))
+
+
 def test_load_is_what_the_actuator_exerts_at_the_time() -> None:
     assert turn(system(), at_spin(Twice, gain=0.5)) == pytest.approx(
         turn(edited("actuator spinner.gear", 1.5)), abs=1e-9
@@ -95,3 +112,41 @@ def test_load_is_what_the_actuator_exerts_at_the_time() -> None:
 def test_a_law_that_cancels_the_machine_ends_in_one_sentence() -> None:
     with pytest.raises(SimulationError, match="left the numbers"):
         turn(system(), at_spin(Held, inertia=-2 * WHEEL))
+
+
+WHEEL_FILE = """<mujoco model="wheel"><option timestep="0.005" integrator="implicitfast" gravity="0 0 0"/><worldbody>
+<body name="wheel"><joint name="spin" damping="0.002"/>
+<inertial pos="0 0 0" mass="1" diaginertia="0.01 0.01 0.01"/></body></worldbody>
+<actuator><motor name="motor" joint="spin"/></actuator></mujoco>"""
+WHEEL_MAP = """
+name = "wheel"
+model = "wheel.xml"
+time = "t"
+window = 2.0
+channel = [
+  {name = "push", role = "control", actuator = "motor", field = "u", unit = "N m"},
+  {name = "turn", role = "compare", joint = "spin", field = "q", unit = "rad", noise = 1e-3},
+]
+"""
+
+
+def test_the_law_of_a_free_joint_is_found(tmp_path: Path) -> None:
+    """Quadratic drag, integrated by SciPy."""
+    drag, time = 2e-4, np.arange(0.0, 12.0, 0.02)
+
+    def torque(t: float) -> float:
+        return 0.06 * np.sin(1.3 * t) + 0.04 * np.sin(0.47 * t + 1)
+
+    def moves(t: float, state: np.ndarray) -> list[float]:
+        speed = state[1]
+        return [speed, (torque(t) - 0.002 * speed - drag * speed * abs(speed)) / 0.01]
+
+    angle = solve_ivp(moves, (0, time[-1]), [0.0, 0.0], t_eval=time, rtol=1e-8, atol=1e-8, max_step=0.05).y[0]
+    angle += 1e-3 * np.random.default_rng(0).normal(size=len(time))
+    (tmp_path / "wheel.xml").write_text(WHEEL_FILE)
+    (tmp_path / "map.toml").write_text(WHEEL_MAP)
+    rows = "\n".join(f"{t:.3f},{torque(t):.9g},{q:.9g}" for t, q in zip(time, angle))
+    (tmp_path / "log.csv").write_text("t,u,q\n" + rows + "\n")
+    found = discover(Predictor(*load_mjcf([tmp_path / "log.csv"], [], tmp_path / "map.toml")))
+    assert found.verdict == "law" and [term.name for term in found.best.terms] == ["drag"]
+    assert found.best.scored.fit.effects[0].values["drag"] == pytest.approx(drag, rel=0.05)

@@ -21,7 +21,7 @@ class JointLaw(Law, ForceEffect):
         remembers: whether it depends on more than the last two moments.
     """
 
-    in_loop = True
+    sees = "simulated"
     remembers: ClassVar[bool] = True
     at = ("joint",)
     needs = frozenset({"mjcf", "measured"})

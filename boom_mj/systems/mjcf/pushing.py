@@ -36,7 +36,7 @@ class Push:
     """
 
     joint: str
-    effects: tuple[ForceEffect, ...]
+    effects: Sequence[ForceEffect]
     motors: tuple[tuple[Exertion, Array], ...]
     warm: Array | None
 

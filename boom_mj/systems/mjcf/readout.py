@@ -1,5 +1,6 @@
 """What goes into a stretch of a log's simulation, and what its run says in the channels of the map."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import mujoco
@@ -13,12 +14,23 @@ from boom_mj.systems.mjcf.rollout import Inputs, Run, joint_of
 
 Array = np.ndarray
 Hypothesis = tuple[Effect, ...]
+MOTIONS = "measured", "nominal", "simulated"  # that an effect may see
 
 
 def inputs_of(
-    spec: mujoco.MjSpec, channels: ChannelMap, hypothesis: Hypothesis, log: Recording, begin: float, time: Array
+    spec: mujoco.MjSpec,
+    channels: ChannelMap,
+    hypothesis: Hypothesis,
+    log: Recording,
+    begin: float,
+    time: Array,
+    nominal: Callable[[], Run],
 ) -> Inputs:
-    """What drives a stretch that begins at a log's time, at the steps of the simulation, under effects."""
+    """What drives a stretch that begins at a log's time, at the steps of the simulation, under effects.
+
+    Args:
+        nominal: the stretch without effects.
+    """
     path, command, force, reaction = {}, {}, {}, {}
     for entry in channels.role("drive"):
         values = log[entry.name].values[:, 0]
@@ -33,15 +45,17 @@ def inputs_of(
             values = effect.apply(time, values)
         command[entry.actuator] = values
     for joint in pushed(hypothesis, channels):
+        motors = [(exertion(spec, a), command[a]) for a in command if joint_of(spec, a) == joint]
+        push = Push(joint, _forces(hypothesis, joint), tuple(motors), temperature(channels, joint, log, time))
+        by = {sees: replace(push, effects=[e for e in push.effects if e.sees == sees]) for sees in MOTIONS}
         motion = log[f"motion/{joint}"]
         position = _spline(motion.time - begin, motion.values[:, 0], time)
-        motors = [(exertion(spec, a), command[a]) for a in command if joint_of(spec, a) == joint]
-        push = Push(joint, (), tuple(motors), temperature(channels, joint, log, time))
-        effects = _forces(hypothesis, joint)
-        measured, simulated = (tuple(e for e in effects if e.in_loop == by) for by in (False, True))
-        force[joint] = replace(push, effects=measured)(time, position, np.gradient(position, time))
-        if simulated:
-            reaction[joint] = replace(push, effects=simulated)
+        force[joint] = by["measured"](time, position, np.gradient(position, time))
+        if by["nominal"].effects:
+            run = nominal()
+            force[joint] = force[joint] + by["nominal"](time, run.position[joint], run.velocity[joint])
+        if by["simulated"].effects:
+            reaction[joint] = by["simulated"]
     start = {
         name.removeprefix("start/"): (float(signal.values[0, 0]), float(signal.values[0, 1]))
         for name, signal in log.signals.items()
@@ -101,7 +115,7 @@ def pushed(hypothesis: Hypothesis, channels: ChannelMap) -> tuple[str, ...]:
 def in_loop(hypothesis: Hypothesis, channels: ChannelMap) -> bool:
     """Whether an effect pushes a joint that is not driven by what the simulation does."""
     hands = pushed(hypothesis, channels)
-    return any(isinstance(e, ForceEffect) and e.in_loop and e.location["joint"] in hands for e in hypothesis)
+    return any(isinstance(e, ForceEffect) and e.sees == MOTIONS[2] and e.location["joint"] in hands for e in hypothesis)
 
 
 def _at(hypothesis: Hypothesis, key: str, name: str) -> list[InputEffect]:

@@ -75,6 +75,8 @@ class MjcfSystem:
         )
         self._models: dict[tuple, mujoco.MjModel] = {}
         self._asked: dict[int, Recording] = {}
+        self._trained = set(map(id, recordings))
+        self._nominal: dict[tuple[int, Level], Run] = {}
         self._runs: dict[tuple, dict[int, Run | SimulationError]] = {}
         self._stepping = Lock()
         self._compiling = Lock()
@@ -163,16 +165,24 @@ class MjcfSystem:
     def _inputs(self, hypothesis: Hypothesis, level: Level, log: Recording) -> Inputs:
         line, step = self.timeline(log), self.spec.option.timestep * level.step
         time = step * np.arange(int(np.ceil(line.duration_s / step - 1e-9)) + 1)
-        return inputs_of(self._spec(log.description), self.channels, hypothesis, log, line.start_s, time)
+
+        def nominal() -> Run:
+            key = id(log), level
+            if key not in self._nominal:
+                self._nominal[key] = self.run((), level, log)
+            return self._nominal[key]
+
+        return inputs_of(self._spec(log.description), self.channels, hypothesis, log, line.start_s, time, nominal)
 
     def _together(self, hypothesis: Hypothesis, level: Level, log: Recording) -> Run | SimulationError:
-        """Steps that wait for forces are taken in all stretches at once that are known; the last few runs are kept."""
+        """Steps that wait for forces are taken at once in all stretches that train, or in all others."""
         settings = self.channels.of_log(log.description).set
         key = frozenset(hypothesis), level, tuple(settings.items())
         with self._stepping:
             known = self._runs.pop(key, {})
             if id(log) not in known:
-                asked = [one for name, one in self._asked.items() if name not in known]
+                trained = id(log) in self._trained
+                asked = [one for k, one in self._asked.items() if k not in known and (k in self._trained) == trained]
                 alike = [one for one in asked if self.channels.of_log(one.description).set == settings]
                 inputs = [self._inputs(hypothesis, level, one) for one in alike]
                 runs = simulate(self._model(hypothesis, level, log.description), inputs)
