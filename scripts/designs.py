@@ -3,11 +3,11 @@
     python scripts/designs.py --commit ID [--ties 10] [--jobs 2] [--keep FILE.jsonl]
 
 Every boom has one effect of the library, drawn with its place and size from the SHA-256 of the commit's id and
-"designs", and sensors six times as noisy as the machine file says: with better ones hardly an answer is a tie. The plant
-of the blind check records two cut ropes, stretched for training and in bow pose held out. Where the answer is a tie,
-`designed` plans another experiment of at most 60 s; the same boom records it, the catalogue's best and the median of the
-random ones, each once for training and once held out, and each is diagnosed with what was there. What is done is kept
-line by line in FILE.jsonl, and a second call goes on; booms without a tie are counted, too.
+"designs", and sensors six times as noisy as the machine file says: with better ones hardly an answer is a tie. The
+plant of the blind check records two cut ropes, stretched for training and in bow pose held out. Where the answer is a
+tie, `designed` plans another experiment of at most 60 s; the same boom records it, the catalogue's best and the median
+of the random ones, each once for training and once held out, and each is diagnosed with what was there. What is done is
+kept line by line in FILE.jsonl, and a second call goes on; booms without a tie are counted, too.
 """
 
 import argparse
