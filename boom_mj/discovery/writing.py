@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 
 from boom_mj.diagnosis.named import interval_of
 from boom_mj.discovery.discover import Discovery
-from boom_mj.discovery.places import NAMES
+from boom_mj.discovery.places import MEMORIES, NAMES
 from boom_mj.discovery.search import FoundLaw
-from boom_mj.effects.laws import Law
+from boom_mj.effects.laws import JointLaw, Law
 
 DIGITS = 4
 WIDTH = 110  # characters of a line
@@ -81,7 +81,11 @@ def law_file(found: Discovery, name: str) -> str:
 
 def _attributes(law: FoundLaw) -> list[str]:
     lines = [f'{key} = "{value}"' for key, value in law.place.attributes.items()]
-    return [*lines, f"variables = {law.place.base.__name__}.variables | TEMPERATURE"] if _warm(law) else lines
+    if _warm(law):
+        lines.append(f"variables = {law.place.base.__name__}.variables | TEMPERATURE")
+    if law.place.base is JointLaw and not any(name in law_type(law).formula for name in MEMORIES):
+        lines.append("remembers = False  # more than the last two moments")
+    return lines
 
 
 def _warm(law: FoundLaw) -> bool:

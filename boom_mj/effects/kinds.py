@@ -75,9 +75,11 @@ class ForceEffect(Effect):
     Attributes:
         sees: the motion of an MJCF machine's free joint that it depends on: "measured", "simulated", or "nominal", that
             of a simulation without effects, to first order the same and cheaper.
+        remembers: whether a "simulated" one depends on more than the last two moments, which takes longer.
     """
 
     sees: ClassVar[str] = "measured"
+    remembers: ClassVar[bool] = True
 
     @abstractmethod
     def force(self, motion: Motion) -> Mapping[str, Array]:

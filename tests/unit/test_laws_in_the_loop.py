@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from boom_mj.discovery import discover
-from boom_mj.effects import Parameter, laws
+from boom_mj.discovery import discover, law_file
+from boom_mj.effects import Parameter, laws, load_effects
 from boom_mj.errors import SimulationError
 from boom_mj.recording import Recording
 from boom_mj.systems.mjcf import MjcfSystem, load_mjcf
@@ -147,6 +147,14 @@ def test_the_law_of_a_free_joint_is_found(tmp_path: Path) -> None:
     (tmp_path / "map.toml").write_text(WHEEL_MAP)
     rows = "\n".join(f"{t:.3f},{torque(t):.9g},{q:.9g}" for t, q in zip(time, angle))
     (tmp_path / "log.csv").write_text("t,u,q\n" + rows + "\n")
-    found = discover(Predictor(*load_mjcf([tmp_path / "log.csv"], [], tmp_path / "map.toml")))
+    wheel, data = load_mjcf([tmp_path / "log.csv"], [], tmp_path / "map.toml")
+    found = discover(Predictor(wheel, data))
     assert found.verdict == "law" and [term.name for term in found.best.terms] == ["drag"]
     assert found.best.scored.fit.effects[0].values["drag"] == pytest.approx(drag, rel=0.05)
+
+    effect = found.best.scored.fit.effects[0]
+    (tmp_path / "by_file.py").write_text(law_file(found, "by_file"))
+    kind = load_effects(tmp_path / "by_file.py")["by_file"]
+    assert not kind.remembers
+    by_law, by_file = (turn(wheel, law, of=data.recordings[0]) for law in (effect, kind(effect.site, **effect.values)))
+    assert by_file == pytest.approx(by_law, abs=1e-12)

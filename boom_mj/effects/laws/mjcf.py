@@ -3,7 +3,7 @@
 from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, ClassVar
+from typing import Any
 
 from boom_mj.effects.base import Array
 from boom_mj.effects.kinds import INVERSIONS, ActuatorEffect, ForceEffect, Motion, OutputEffect
@@ -16,13 +16,9 @@ class JointLaw(Law, ForceEffect):
 
     Of a joint that is free it sees the simulated motion: with the measured one a law could be the joint's equation of
     motion, which any machine fulfils. Where its `variables` hold TEMPERATURE, it is where that is logged.
-
-    Attributes:
-        remembers: whether it depends on more than the last two moments.
     """
 
     sees = "simulated"
-    remembers: ClassVar[bool] = True
     at = ("joint",)
     needs = frozenset({"mjcf", "measured"})
     variables = {"position": "", "speed": "", "load": "", "time": "s"}

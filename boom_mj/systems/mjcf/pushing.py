@@ -51,7 +51,7 @@ class Push:
     @property
     def memory(self) -> int | None:
         """How many moments the last force depends on; None of all."""
-        return None if any(getattr(effect, "remembers", True) for effect in self.effects) else 2
+        return None if any(effect.remembers for effect in self.effects) else 2
 
 
 def together(pushes: Sequence[Push], count: int) -> Push:
