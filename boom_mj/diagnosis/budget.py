@@ -56,7 +56,8 @@ class Odds:
         outside_library: of something that the library does not hold.
         none: of nothing.
         combination: of effects of the library that were not found together.
-        hidden: whatever is true of these, of causes besides that the recordings do not show.
+        hidden: of causes besides those of an explanation that the recordings do not show.
+        unwell: of such causes where nothing needs an explanation.
     """
 
     explanations: tuple[float, ...]
@@ -64,6 +65,7 @@ class Odds:
     none: float
     combination: float = 0.0
     hidden: float = 0.0
+    unwell: float = 0.0
 
 
 def gap_budget(as_built: Array, best: Scored) -> Budget:
@@ -94,7 +96,7 @@ def odds(
         P(outside | unexplained) = o (1 - f) / (o (1 - f) + (1 - o) m).
 
     Whatever is said, causes that these recordings do not show may be there as well: by Poisson's law one or more with
-    probability 1 - exp(-l u), with l the criterion `further` and u the unseen share.
+    probability 1 - exp(-l u), with u the unseen share and l the criterion `further`, of healthy machines `unwell`.
 
     Args:
         mimicked: how many of the library's other effects each explanation does as well on these data, up to one: so
@@ -102,7 +104,7 @@ def odds(
         unseen: share of the library's effects that these recordings do not show; all if left out.
     """
     criteria = model.criteria
-    hidden = 1 - float(np.exp(-criteria.further * unseen))
+    unshown = [1 - float(np.exp(-causes * unseen)) for causes in (criteria.further, criteria.unwell)]
     gaps = np.sqrt(_mean_squares(model, [as_built, *(one.fit.residual for one in scored)])[1:])
     before, after = gaps[:, 0], gaps[:, 1:]
     count, outside = len(gaps), criteria.outside
@@ -110,7 +112,7 @@ def odds(
     unknown /= unknown + (1 - outside) * criteria.missed
     if not scored:
         healthy = float(np.mean(before <= criteria.healthy_gap))
-        return Odds((), unknown * (1 - healthy), healthy, (1 - unknown) * (1 - healthy), hidden)
+        return Odds((), unknown * (1 - healthy), healthy, (1 - unknown) * (1 - healthy), *unshown)
     price = after * (1 + criteria.parameter_cost * np.array([len(one.fit.scaled) for one in scored]))
     first = np.argmin(np.where(after <= criteria.enough(before)[:, None], price, np.inf), axis=1)
     suffices = after[np.arange(count), first] <= criteria.enough(before)
@@ -125,7 +127,7 @@ def odds(
         float(chosen @ alike) + unknown * left,
         float(np.mean(none)),
         (1 - unknown) * left,
-        hidden,
+        *unshown,
     )
 
 

@@ -99,13 +99,13 @@ def probability_of_all(found: Diagnosis) -> float:
 
     An unexplained gap is right where something outside the library is at work.
     """
-    shown, odds = 1 - found.odds.hidden, found.odds
+    odds = found.odds
     if found.verdict == "unexplained":
         return odds.outside_library
     if found.best is None:
-        return odds.none * shown
+        return odds.none * (1 - odds.unwell)
     named = [probability(found, e) for e, so in zip(found.best.fit.effects, named_as_causes(found)) if so]
-    return min(named) * (1.0 if found.verdict == "partial" else shown)
+    return min(named) * (1.0 if found.verdict == "partial" else 1 - odds.hidden)
 
 
 def closure_of(found: Diagnosis, scored: Scored) -> float:

@@ -33,8 +33,9 @@ def explanation(model: Linearisation, residual: np.ndarray) -> Scored:
 def test_what_recordings_do_not_show_may_be_there(model: Linearisation) -> None:
     size = len(model.noise.weight)
     found = [odds(np.full(size, 1.0), (), model, unseen=share) for share in (0.0, 0.2, 1.0)]
-    causes = model.criteria.further
-    assert [one.hidden for one in found] == pytest.approx([0, 1 - np.exp(-0.2 * causes), 1 - np.exp(-causes)])
+    for name, causes in (("hidden", model.criteria.further), ("unwell", model.criteria.unwell)):
+        expected = [0, 1 - np.exp(-0.2 * causes), 1 - np.exp(-causes)]
+        assert [getattr(one, name) for one in found] == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("left", [0.9, 3.0])
