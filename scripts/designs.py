@@ -3,11 +3,12 @@
     python scripts/designs.py --commit ID [--ties 10] [--jobs 2] [--keep FILE.jsonl]
 
 Every boom has one effect of the library, drawn with its place and size from the SHA-256 of the commit's id and
-"designs", and sensors six times as noisy as the machine file says: with better ones hardly an answer is a tie. The
-plant of the blind check records two cut ropes, stretched for training and in bow pose held out. Where the answer is a
-tie, `designed` plans another experiment of at most 60 s; the same boom records it, the catalogue's best and the median
-of the random ones, each once for training and once held out, and each is diagnosed with what was there. What is done is
-kept line by line in FILE.jsonl, and a second call goes on; booms without a tie are counted, too.
+"designs". Like machines in service it has encoders and pressure sensors, no markers and no IMUs: with these hardly an
+answer is a tie. The plant of the blind check records two cut ropes, stretched for training and in bow pose held out.
+Where the answer is a tie, `designed` plans another experiment of at most 60 s; the same boom records it, the
+catalogue's best and the median of the random ones, each once for training and once held out, and each is diagnosed with
+what was there. What is done is kept line by line in FILE.jsonl, and a second call goes on; booms without a tie are
+counted, too.
 """
 
 import argparse
@@ -41,7 +42,8 @@ from boom_mj.systems.boom.load import checked_data
 from boom_mj.systems.boom.system import BoomSystem
 from boom_mj.systems.predictor import Predictor
 
-NOISY, LEAST = 6.0, 0.1  # times the machine file's noise; root mean square of what an effect changes, in its units
+ABSENT, NOTHING = ("accelerometer", "gyroscope", "marker_xz", "marker_y"), 1e3  # times the noise that a sensor has
+LEAST = 0.1  # root mean square of what an effect changes, in noise
 TRAIN, HELD_OUT = CATALOGUE["release_stretched_vertical"], CATALOGUE["release_bow_vertical"]
 SECONDS, LOAD = 60.0, 981.0  # that another experiment may last; N, that a rope may pull with
 WAYS = ("designed", "catalogue's best", "median random")
@@ -49,15 +51,15 @@ BEFORE = "before"
 Rng = np.random.Generator
 
 
-def noisy(machine: Machine) -> Machine:
-    """The machine with cheap sensors; its encoders are as good."""
+def in_service(machine: Machine) -> Machine:
+    """The machine whose other sensors say nothing."""
     noise = machine.sensors.noise
-    levels = {name: NOISY * level for name, level in noise.model_dump().items() if name != "joint_deg"}
+    levels = {name: NOTHING * getattr(noise, name) for name in ABSENT}
     sensors = machine.sensors.model_copy(update={"noise": noise.model_copy(update=levels)})
     return machine.model_copy(update={"sensors": sensors})
 
 
-MACHINE = noisy(load_machine("boom36"))
+MACHINE = in_service(load_machine("boom36"))
 Row = dict[str, Any]
 
 
