@@ -48,12 +48,14 @@ def inputs_of(
         motors = [(exertion(spec, a), command[a]) for a in command if joint_of(spec, a) == joint]
         push = Push(joint, _forces(hypothesis, joint), tuple(motors), temperature(channels, joint, log, time))
         by = {sees: replace(push, effects=[e for e in push.effects if e.sees == sees]) for sees in MOTIONS}
-        motion = log[f"motion/{joint}"]
-        position = _spline(motion.time - begin, motion.values[:, 0], time)
-        force[joint] = by["measured"](time, position, np.gradient(position, time))
+        force[joint] = np.zeros(len(time))
+        if by["measured"].effects:
+            motion = log[f"motion/{joint}"]
+            position = _spline(motion.time - begin, motion.values[:, 0], time)
+            force[joint] += by["measured"](time, position, np.gradient(position, time))
         if by["nominal"].effects:
             run = nominal()
-            force[joint] = force[joint] + by["nominal"](time, run.position[joint], run.velocity[joint])
+            force[joint] += by["nominal"](time, run.position[joint], run.velocity[joint])
         if by["simulated"].effects:
             reaction[joint] = by["simulated"]
     start = {
