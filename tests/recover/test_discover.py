@@ -118,7 +118,7 @@ def test_mass_that_the_model_lacks_comes_back_as_inertia(tmp_path: Path, capsys:
     words = measured(tmp_path, 0.0)
     (tmp_path / "model.xml").write_text(MODEL.replace('mass="50"', 'mass="38"'))
     found = json.loads(run([*words, "--without", "armature", "--json", "-"], capsys))
-    assert found["law"]["formula"] == "inertia * gradient(speed, time)", found["sentence"]
+    assert found["law"]["formula"] == "inertia * rate(time, speed)", found["sentence"]
     assert found["law"]["parameters"]["inertia"]["value"] == pytest.approx(12.0, rel=0.01)
 
 
