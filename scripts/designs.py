@@ -27,10 +27,9 @@ from healthy_first import in_words, stored
 from boom_mj.blind.detectability import Detectability
 from boom_mj.blind.grading import judge_case
 from boom_mj.blind.plant import nuisances, true_plant
-from boom_mj.blind.sampling import draw
+from boom_mj.blind.sampling import draw, known_effects
 from boom_mj.diagnosis.answer import document
 from boom_mj.diagnosis.diagnose import diagnose
-from boom_mj.effects import BOOM_SITES, builtin
 from boom_mj.errors import EquilibriumError, SimulationError
 from boom_mj.machine import Machine, load_machine
 from boom_mj.recording import Recording
@@ -180,8 +179,7 @@ def main() -> int:
     parser.add_argument("--keep", type=Path, default=Path("designs.jsonl"))
     options = parser.parse_args()
     seed = int.from_bytes(sha256(f"{options.commit}designs".encode()).digest())
-    known = [name for name, kind in builtin().items() if kind.competes and kind.allowed(BOOM_SITES)]
-    drawn = np.random.default_rng(seed).permutation(known)
+    drawn = np.random.default_rng(seed).permutation(known_effects())
     rows = [json.loads(line) for line in options.keep.read_text().splitlines()] if options.keep.exists() else []
     done = {row["number"] for row in rows}
 

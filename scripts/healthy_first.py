@@ -25,13 +25,13 @@ from boom_mj.blind.detectability import Detectability
 from boom_mj.blind.generate import SHORT
 from boom_mj.blind.grading import judge_case
 from boom_mj.blind.plant import AS_BUILT, nuisances, true_plant
-from boom_mj.blind.sampling import draw
+from boom_mj.blind.sampling import draw, known_effects
 from boom_mj.calibration import USUAL, calibrate, calibrated_text
 from boom_mj.cli.arguments import machine_text
 from boom_mj.diagnosis.answer import document
 from boom_mj.diagnosis.diagnose import diagnose
 from boom_mj.diagnosis.healthy import as_built
-from boom_mj.effects import BOOM_SITES, Effect, builtin
+from boom_mj.effects import Effect
 from boom_mj.errors import EquilibriumError, SimulationError
 from boom_mj.logs import read_log, write_mcap
 from boom_mj.machine import Machine, load_machine, parse_machine
@@ -190,8 +190,7 @@ def main() -> int:
     parser.add_argument("--keep", type=Path, default=Path("healthy_first.jsonl"))
     options = parser.parse_args()
     entropy = tuple(int(w) for w in np.frombuffer(sha256(options.seed_file.read_bytes()).digest(), "<u4"))
-    known = [name for name, kind in builtin().items() if kind.competes and kind.allowed(BOOM_SITES)]
-    drawn = np.random.default_rng(entropy).permutation(known)
+    drawn = np.random.default_rng(entropy).permutation(known_effects())
     effects = [name for k in range(options.machines) for name in (str(drawn[k % len(drawn)]), "")]
     rows = [json.loads(line) for line in options.keep.read_text().splitlines()] if options.keep.exists() else []
     done = {row["number"] for row in rows}

@@ -64,7 +64,7 @@ def orders(cases: int, mix: Mapping[str, float], rng: np.random.Generator) -> li
         raise InputError(f"no class of cases is called {', '.join(unknown)}; there are {', '.join((*MIX, *MORE))}")
     if min(mix.values()) < 0 or sum(mix.values()) <= 0:
         raise InputError(f"shares of classes must not be negative, nor all zero; got {dict(mix)}")
-    known = _known()
+    known = known_effects()
     asked = (*MIX, *(kind for kind in MORE if kind in mix))  # more decks than before would shuffle all others
     deal = {kind: _deck(UNLISTED if kind == "stranger" else known, rng) for kind in asked}
     found = []
@@ -79,7 +79,7 @@ def orders(cases: int, mix: Mapping[str, float], rng: np.random.Generator) -> li
     return [found[k] for k in rng.permutation(len(found))]
 
 
-def _known() -> list[str]:
+def known_effects() -> list[str]:
     """Ids of what the library has for booms."""
     return [name for name, kind in builtin().items() if kind.competes and kind.allowed(BOOM_SITES)]
 
@@ -111,7 +111,7 @@ def draw_all(
     for k, (effect, _) in enumerate(found):
         while visibility([effect]) < VISIBLE:
             if spare is None:  # no draw before is another for it
-                alike = UNLISTED if order.kind == "stranger" else _known()
+                alike = UNLISTED if order.kind == "stranger" else known_effects()
                 spare = _spare(alike, (*order.ids, order.without), rng)
             if not spare:
                 break

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from boom_mj.diagnosis.named import interval_of
 from boom_mj.discovery.discover import Discovery
-from boom_mj.discovery.places import MEMORIES, NAMES
+from boom_mj.discovery.places import NAMES
 from boom_mj.discovery.search import FoundLaw
 from boom_mj.effects.laws import JointLaw, Law
 
@@ -83,7 +83,8 @@ def _attributes(law: FoundLaw) -> list[str]:
     lines = [f'{key} = "{value}"' for key, value in law.place.attributes.items()]
     if _warm(law):
         lines.append(f"variables = {law.place.base.__name__}.variables | TEMPERATURE")
-    if law.place.base is JointLaw and not any(name in law_type(law).formula for name in MEMORIES):
+    kind = law_type(law)
+    if issubclass(kind, JointLaw) and not kind.remembers:
         lines.append("remembers = False  # more than the last two moments")
     return lines
 

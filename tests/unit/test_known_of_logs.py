@@ -79,8 +79,9 @@ def test_an_entry_goes_by_the_end_of_a_path(tmp_path: Path) -> None:
     assert channels.of_log("/x/a.csv").set == {}
 
 
-def test_a_told_load_is_in_the_nominal_model_of_its_log_alone(tmp_path: Path) -> None:
-    channels, time = parse_channel_map(MAP), np.arange(0, 6, 0.01)
+def test_a_told_load_and_step_are_in_the_nominal_model_of_its_log_alone(tmp_path: Path) -> None:
+    told = MAP.replace('"actuator servo.kp" = 6.0', '"actuator servo.kp" = 6.0, "option.timestep" = 0.004')
+    channels, time = parse_channel_map(told), np.arange(0, 6, 0.01)
     rows = np.stack([time, np.sin(time), np.sin(time)], axis=1)
     runs = {}
     for name in ("loaded/a.csv", "b.csv"):
@@ -93,6 +94,8 @@ def test_a_told_load_is_in_the_nominal_model_of_its_log_alone(tmp_path: Path) ->
     system = MjcfSystem(spec(), channels, [*runs["loaded/a.csv"], *runs["b.csv"]], {"cart": 1e-3})
     masses = [system._model((), BASE, runs[name][0].description).body_subtreemass[0] for name in runs]
     assert masses == pytest.approx([4.0, 2.0])
+    steps = [system.run((), BASE, runs[name][0]).time[1] for name in runs]
+    assert steps == pytest.approx([0.004, 0.002])
 
 
 def test_jumps_of_a_turn_are_undone(tmp_path: Path) -> None:

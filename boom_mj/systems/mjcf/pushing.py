@@ -40,10 +40,17 @@ class Push:
     motors: tuple[tuple[Exertion, Array], ...]
     warm: Array | None
 
-    def __call__(self, time: Array, position: Array, speed: Array, first: int = 0) -> Array:
-        """The force, (..., n), at times that begin with the first of all or a later one, (n,)."""
+    def __call__(self, time: Array, position: Array, speed: Array, load: Array | None = None, first: int = 0) -> Array:
+        """The force, (..., n).
+
+        Args:
+            time: of the motion, (n,).
+            load: what the joint's actuators exert, that of their commands if left out.
+            first: number of the first of these times among all.
+        """
         cut = slice(first, first + len(time))
-        load = sum((exert(u[..., cut], position, speed) for exert, u in self.motors), np.zeros_like(position))
+        if load is None:
+            load = sum((exert(u[..., cut], position, speed) for exert, u in self.motors), np.zeros_like(position))
         warm = {} if self.warm is None else {self.joint: self.warm[..., cut]}
         moving = Motion(time, {self.joint: position}, {self.joint: speed}, {self.joint: load}, warm)
         return sum((effect.force(moving)[self.joint] for effect in self.effects), np.zeros_like(position))

@@ -87,8 +87,7 @@ def said(
         return run.force[entry.actuator]
     force, warm = run.force[joint], temperature(channels, joint, log, run.time)
     for effect in _forces(effects, joint):
-        exerted = ((lambda load, *_: load, force),)
-        force = force - Push(joint, (effect,), exerted, warm)(run.time, run.position[joint], run.velocity[joint])
+        force = force - Push(joint, (effect,), (), warm)(run.time, run.position[joint], run.velocity[joint], force)
     for motor in reversed(_at(effects, "actuator", entry.actuator)):
         force = motor.invert(run.time, force)
     return force
@@ -117,7 +116,9 @@ def pushed(hypothesis: Hypothesis, channels: ChannelMap) -> tuple[str, ...]:
 def in_loop(hypothesis: Hypothesis, channels: ChannelMap) -> bool:
     """Whether an effect pushes a joint that is not driven by what the simulation does."""
     hands = pushed(hypothesis, channels)
-    return any(isinstance(e, ForceEffect) and e.sees == MOTIONS[2] and e.location["joint"] in hands for e in hypothesis)
+    return any(
+        isinstance(e, ForceEffect) and e.sees == "simulated" and e.location["joint"] in hands for e in hypothesis
+    )
 
 
 def _at(hypothesis: Hypothesis, key: str, name: str) -> list[InputEffect]:

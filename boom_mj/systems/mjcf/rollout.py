@@ -168,7 +168,7 @@ def _step_by_step(model: mujoco.MjModel, batch: Batch, control: Array, stretches
             position[:, k + 1], speed[:, k + 1] = batch.qpos[:, address], batch.qvel[:, dof]
             first = 0 if push.memory is None else k + 2 - push.memory
             past = slice(first, k + 2)
-            control[:, k, hand] += push(time[past], position[:, past], speed[:, past], first)[:, -1]
+            control[:, k, hand] += push(time[past], position[:, past], speed[:, past], first=first)[:, -1]
         parts.append(batch.rollout(1, control[:, k : k + 1], record=RECORD))
     return {name: np.concatenate([part[name] for part in parts], axis=1) for name in RECORD}
 

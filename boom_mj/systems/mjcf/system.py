@@ -153,17 +153,17 @@ class MjcfSystem:
             SimulationError: it diverged.
         """
         self._asked[id(log)] = log
-        found = self._together(hypothesis, level, log) if in_loop(hypothesis, self.channels) else None
-        run = (
-            found
-            or simulate(self._model(hypothesis, level, log.description), [self._inputs(hypothesis, level, log)])[0]
-        )
+        if in_loop(hypothesis, self.channels):
+            run = self._together(hypothesis, level, log)
+        else:
+            (run,) = simulate(self._model(hypothesis, level, log.description), [self._inputs(hypothesis, level, log)])
         if isinstance(run, SimulationError):
             raise run
         return run
 
     def _inputs(self, hypothesis: Hypothesis, level: Level, log: Recording) -> Inputs:
-        line, step = self.timeline(log), self.spec.option.timestep * level.step
+        line, spec = self.timeline(log), self._spec(log.description)
+        step = spec.option.timestep * level.step
         time = step * np.arange(int(np.ceil(line.duration_s / step - 1e-9)) + 1)
 
         def nominal() -> Run:
@@ -172,7 +172,7 @@ class MjcfSystem:
                 self._nominal[key] = self.run((), level, log)
             return self._nominal[key]
 
-        return inputs_of(self._spec(log.description), self.channels, hypothesis, log, line.start_s, time, nominal)
+        return inputs_of(spec, self.channels, hypothesis, log, line.start_s, time, nominal)
 
     def _together(self, hypothesis: Hypothesis, level: Level, log: Recording) -> Run | SimulationError:
         """Steps that wait for forces are taken at once in all stretches that train, or in all others."""
@@ -182,7 +182,7 @@ class MjcfSystem:
             known = self._runs.pop(key, {})
             if id(log) not in known:
                 trained = id(log) in self._trained
-                asked = [one for k, one in self._asked.items() if k not in known and (k in self._trained) == trained]
+                asked = [one for k, one in [*self._asked.items()] if k not in known and (k in self._trained) == trained]
                 alike = [one for one in asked if self.channels.of_log(one.description).set == settings]
                 inputs = [self._inputs(hypothesis, level, one) for one in alike]
                 runs = simulate(self._model(hypothesis, level, log.description), inputs)
