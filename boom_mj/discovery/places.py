@@ -27,8 +27,6 @@ NAMES = {name: getattr(np, name) for name in ("sin", "cos", "pi", "maximum", "mi
     "rate": laws.rate,
 }
 """What formulas may call."""
-MEMORIES = ("lagged", "fading")
-"""Those that depend on more than the last two moments."""
 OPERATORS: Mapping[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -168,7 +166,7 @@ def law_class(place: Place, terms: Sequence[Term], sizes: Mapping[str, float] | 
         **place.attributes,
     }
     if hasattr(place.base, "law"):
-        body["remembers"] = any(name in formula for name in MEMORIES)
+        body["remembers"] = False
         body["law"] = lambda self, **variables: value_of(formula, variables)
     return type("FoundLaw", (place.base,), body)
 

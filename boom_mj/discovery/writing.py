@@ -83,9 +83,8 @@ def _attributes(law: FoundLaw) -> list[str]:
     lines = [f'{key} = "{value}"' for key, value in law.place.attributes.items()]
     if _warm(law):
         lines.append(f"variables = {law.place.base.__name__}.variables | TEMPERATURE")
-    kind = law_type(law)
-    if issubclass(kind, JointLaw) and not kind.remembers:
-        lines.append("remembers = False  # more than the last two moments")
+    if issubclass(law_type(law), JointLaw):
+        lines.append("remembers = False  # more than the last two moments, and what filters keep")
     return lines
 
 

@@ -75,7 +75,8 @@ class ForceEffect(Effect):
     Attributes:
         sees: the motion of an MJCF machine's free joint that it depends on: "measured", "simulated", or "nominal", that
             of a simulation without effects, to first order the same and cheaper.
-        remembers: whether a "simulated" one depends on more than the last two moments, which takes longer.
+        remembers: whether a "simulated" one depends on more than the last two moments and what the filters of
+            `boom_mj.effects.laws` keep, which takes longer.
     """
 
     sees: ClassVar[str] = "measured"

@@ -45,6 +45,25 @@ class Twice(laws.JointLaw):
         return -gain * load
 
 
+class Recalled(laws.JointLaw):
+    """Friction that builds up and fades, of the whole past."""
+
+    id = "test_recalled"
+    table = {"build": Parameter("N m s/rad", 0.0, -1.0, 1.0, 0.01), "fade": Parameter("N m", 0.0, -1.0, 1.0, 0.01)}
+
+    def law(self, position, speed, load, time, build, fade):
+        direction = laws.direction(speed, 0.5)
+        late, early = laws.lagged(time, speed, 0.4), laws.lagged(time, direction, 0.1)
+        return build * (late + early) + fade * laws.fading(time, direction, 0.3)
+
+
+class Carried(Recalled):
+    """The same, of what the filters keep."""
+
+    id = "test_carried"
+    remembers = False
+
+
 def log() -> Recording:
     return predictor().data.recordings[0]
 
@@ -101,6 +120,13 @@ def test_a_small_law_is_screened_as_it_acts() -> None:
     exact, quick = (turn(system(), at_spin(kind, **size)) - healthy for kind in (Held, Glimpsed))
     assert np.ptp(exact) > 1e-3
     assert quick == pytest.approx(exact, abs=0.02 * np.ptp(exact))
+
+
+def test_filters_go_on_from_one_step_to_the_next() -> None:
+    sizes = {"build": 0.02, "fade": 0.05}
+    whole, carried = (turn(system(), at_spin(kind, **sizes)) for kind in (Recalled, Carried))
+    assert np.ptp(whole - turn(system())) > 0.1
+    assert carried == pytest.approx(whole, abs=1e-9)
 
 
 def test_load_is_what_the_actuator_exerts_at_the_time() -> None:

@@ -49,16 +49,20 @@ class Push:
             first: number of the first of these times among all.
         """
         cut = slice(first, first + len(time))
-        if load is None:
-            load = sum((exert(u[..., cut], position, speed) for exert, u in self.motors), np.zeros_like(position))
+        load = self.load(position, speed, first) if load is None else load
         warm = {} if self.warm is None else {self.joint: self.warm[..., cut]}
         moving = Motion(time, {self.joint: position}, {self.joint: speed}, {self.joint: load}, warm)
         return sum((effect.force(moving)[self.joint] for effect in self.effects), np.zeros_like(position))
 
+    def load(self, position: Array, speed: Array, first: int = 0) -> Array:
+        """What the joint's actuators exert by their commands, (..., n), from some moment on."""
+        cut = slice(first, first + position.shape[-1])
+        return sum((exert(u[..., cut], position, speed) for exert, u in self.motors), np.zeros_like(position))
+
     @property
-    def memory(self) -> int | None:
-        """How many moments the last force depends on; None of all."""
-        return None if any(effect.remembers for effect in self.effects) else 2
+    def remembers(self) -> bool:
+        """Whether the last force depends on more than the last two moments and what filters keep."""
+        return any(effect.remembers for effect in self.effects)
 
 
 def together(pushes: Sequence[Push], count: int) -> Push:

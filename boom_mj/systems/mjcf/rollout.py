@@ -5,12 +5,14 @@ path; what the servo exerts beyond accelerating A is the force of its actuator. 
 """
 
 from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 
 import mujoco
 import numpy as np
 from mujoco.batch import Batch
 
+from boom_mj.effects.filters import Running
 from boom_mj.engine import mass_matrix
 from boom_mj.errors import SimulationError
 from boom_mj.simulation.diverged import diverged
@@ -158,17 +160,21 @@ def _step_by_step(model: mujoco.MjModel, batch: Batch, control: Array, stretches
     for joint in stretches[0].reaction:
         push = together([inputs.reaction[joint] for inputs in stretches], count)
         address, dof = model.joint(joint).qposadr[0], model.joint(joint).dofadr[0]
-        position, speed = np.empty((2, len(stretches), count + 1))
+        position, speed, load = np.empty((3, len(stretches), count + 1))
         speed[:, 0] = batch.qvel[:, dof]
         position[:, 0] = batch.qpos[:, address] - step * speed[:, 0]
-        pushed.append((model.actuator(HAND + joint).id, address, dof, position, speed, push))
+        load[:, :1] = push.load(position[:, :1], speed[:, :1])
+        pushed.append((model.actuator(HAND + joint).id, address, dof, position, speed, load, push, Running()))
     parts = []
     for k in range(count):
-        for hand, address, dof, position, speed, push in pushed:
+        now = slice(k + 1, k + 2)
+        for hand, address, dof, position, speed, load, push, filters in pushed:
             position[:, k + 1], speed[:, k + 1] = batch.qpos[:, address], batch.qvel[:, dof]
-            first = 0 if push.memory is None else k + 2 - push.memory
-            past = slice(first, k + 2)
-            control[:, k, hand] += push(time[past], position[:, past], speed[:, past], first=first)[:, -1]
+            load[:, now] = push.load(position[:, now], speed[:, now], k + 1)
+            past = slice(0 if push.remembers else k, k + 2)
+            with nullcontext() if push.remembers else filters:
+                force = push(time[past], position[:, past], speed[:, past], load[:, past], past.start)
+            control[:, k, hand] += force[:, -1]
         parts.append(batch.rollout(1, control[:, k : k + 1], record=RECORD))
     return {name: np.concatenate([part[name] for part in parts], axis=1) for name in RECORD}
 
