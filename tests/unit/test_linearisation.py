@@ -40,3 +40,16 @@ def test_nuisances_at_the_same_place_add_up(model: Linearisation) -> None:
     softer = sizes[make_effect("link_stiffness", {"link": 3, "axis": "v"}).cause]
     assert softer == pytest.approx(1 - 0.005 - 0.003)  # of all links, and of its own plates
     assert len(found) == len({e.cause for e in found})
+
+
+def test_what_training_does_not_tell_of_nuisances_is_no_gap(model: Linearisation) -> None:
+    """What is held out counts by the inverse of 1 + H C^-1 H^T, with C what training tells."""
+    posterior, held_out = model.posterior, model.data.held_out
+    columns = posterior.basis.whole[held_out].astype(float)
+    covariance = np.eye(len(columns)) + columns @ np.linalg.solve(posterior.basis.curvature, columns.T)
+    noise = np.random.default_rng(2).standard_normal(len(held_out))
+    residual = noise + posterior.basis.whole @ np.linspace(-2, 2, columns.shape[1])
+    predicted = (residual - posterior.basis.whole @ posterior.estimate(residual))[held_out]
+    expected = predicted @ np.linalg.solve(covariance, predicted)
+    assert np.sum(model.clean(residual)[held_out] ** 2) == pytest.approx(expected, rel=1e-5)
+    assert abs(predicted @ predicted - expected) > 1e-3 * expected
