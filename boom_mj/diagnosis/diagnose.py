@@ -99,7 +99,7 @@ class Diagnosis:
     def not_trained(self) -> dict[int, float]:
         """Recordings held out, by index, with a gap where training has none or an explanation, and it.
 
-        Where training has none, an explanation of what is held out has its sizes from what hardly informs of them.
+        Where training has none, even an explanation has its sizes from recordings that hardly inform of them.
         """
         data, near_noise = self.model.data, self.criteria.near_noise_gap
         learnt = self.solved and gap(self.as_built, data.train) > self.criteria.healthy_gap

@@ -5,8 +5,10 @@ With columns b_i and prior deviations s_i, whitened B = [b_i s_i],
     <x, y> = x^T y - x^T B (1 + B^T B)^-1 B^T y        (sums over training entries)
 
 is the inner product in which hypotheses are screened and fitted. A nuisance never exceeds a few prior deviations: one
-that would is held there and leaves B. What training does not tell of them, 1 + B^T B with the sums over training, makes
-the prediction of what is held out uncertain, all along a recording: with H the rows of B there, it has the variance
+that would is held there and leaves B.
+
+Training tells of them 1 + B^T B; what it leaves open makes the prediction of what is held out uncertain, all along a
+recording. With H the rows of B there, the residual has the variance
 
     V = 1 + H (1 + B^T B)^-1 H^T.
 """
@@ -106,7 +108,10 @@ class LinearPosterior:
         return self.some & (np.abs(estimate) < LIMIT * (1 - 1e-6))
 
     def clean(self, white: Array) -> Array:
-        """A whitened residual (N,) without what nuisances explain of its training entries, held out white again."""
+        """A whitened residual (N,) without what nuisances explain of its training, whitened by V where it is held out.
+
+        Each recording by itself: what changed in one is not seen in another.
+        """
         left = white - self.basis.whole @ self.estimate(white).astype(np.float32)
         for rows, unsure in self._predicted:
             columns = self.basis.whole[rows]
