@@ -97,12 +97,17 @@ class Diagnosis:
 
     @cached_property
     def not_trained(self) -> dict[int, float]:
-        """Recordings held out, by index, with a gap where training has none or an explanation, and it."""
+        """Recordings held out, by index, with a gap where training has none or an explanation, and it.
+
+        Where training has none, even an explanation has its sizes from recordings that hardly inform of them.
+        """
         data, near_noise = self.model.data, self.criteria.near_noise_gap
-        if self.solved or data.split_in_time or gap(self.trained, data.train) > near_noise:
+        learnt = self.solved and gap(self.as_built, data.train) > self.criteria.healthy_gap
+        if learnt or data.split_in_time or gap(self.trained, data.train) > near_noise:
             return {}
+        residual = self.as_built if self.solved else self.trained
         rows = (data.held_out & (data.recording_of == k) for k in range(len(data.recordings)))
-        left = {k: gap(self.trained, own) for k, own in enumerate(rows)}
+        left = {k: gap(residual, own) for k, own in enumerate(rows)}
         return {k: size for k, size in left.items() if size > near_noise}
 
     @cached_property
@@ -170,10 +175,10 @@ def _diagnose(predictor: Predictor, without: Sequence[str], clock: Clock, most: 
         scored = refined(scored, gaps, clock)
     found = concluded(scored)
     keep(found)
-    other = None if found.solved else _extended(found, without, clock, most, keep)
+    other = _extended(found, without, clock, most, keep)
     if worth and screening and not other and not complete(gaps, scored[0]):
         found = concluded(combined(scored, gaps, screening, clock, most))
-        other = None if found.solved else _extended(found, without, clock, most, keep)
+        other = _extended(found, without, clock, most, keep)
     return other if other and other.solved else found
 
 

@@ -6,6 +6,11 @@ With columns b_i and prior deviations s_i, whitened B = [b_i s_i],
 
 is the inner product in which hypotheses are screened and fitted. A nuisance never exceeds a few prior deviations: one
 that would is held there and leaves B.
+
+Training tells of them 1 + B^T B; what it leaves open makes the prediction of what is held out uncertain, all along a
+recording. With H the rows of B there, the residual has the variance
+
+    V = 1 + H (1 + B^T B)^-1 H^T.
 """
 
 from collections.abc import Iterator
@@ -52,13 +57,11 @@ class Basis:
     @cached_property
     def curvature(self) -> Array:
         """1 + B^T B, (m, m)."""
-        parts = (part.astype(float) for part in _rows(self.trained))
-        return sum((part.T @ part for part in parts), np.eye(self.columns.shape[1]))
+        return np.eye(self.columns.shape[1]) + _product(self.trained, self.trained)
 
     def slopes(self, white: Array) -> Array:
         """B^T y of whitened training entries y, (training,) or (training, k); (m,) or (m, k)."""
-        parts = (part.T.astype(float) @ own for part, own in zip(_rows(self.trained), _rows(white)))
-        return sum(parts, np.zeros((self.columns.shape[1], *white.shape[1:])))
+        return _product(self.trained, white)
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,8 +108,31 @@ class LinearPosterior:
         return self.some & (np.abs(estimate) < LIMIT * (1 - 1e-6))
 
     def clean(self, white: Array) -> Array:
-        """A whitened residual (N,) without what nuisances explain of its training entries."""
-        return white - self.basis.whole @ self.estimate(white).astype(np.float32)
+        """A whitened residual (N,) without what nuisances explain of its training, whitened by V where it is held out.
+
+        Each recording by itself: what changed in one is not seen in another.
+        """
+        left = white - self.basis.whole @ self.estimate(white).astype(np.float32)
+        for rows, unsure in self._predicted:
+            columns = self.basis.whole[rows]
+            left[rows] -= columns @ (unsure @ _product(columns, left[rows])).astype(np.float32)
+        return left
+
+    @cached_property
+    def _predicted(self) -> list[tuple[Array, Array]]:
+        """Of every recording the entries held out, (n,), and K of V^(-1/2) = 1 - H K H^T, (m, m)."""
+        if not self.some.any():
+            return []
+        data, root = self.noise.data, solve_triangular(self._root, np.eye(len(self._root)))
+        found = []
+        for index in np.unique(data.recording_of[data.held_out]):
+            rows = np.flatnonzero(data.held_out & (data.recording_of == index))
+            columns = self.basis.whole[rows][:, self.some]
+            spread, turn = np.linalg.eigh(root.T @ _product(columns, columns) @ root)
+            deviation, turned = np.sqrt(1 + np.maximum(spread, 0.0)), np.zeros((len(self.some), len(root)))
+            turned[self.some] = root @ turn
+            found.append((rows, turned / (deviation * (1 + deviation)) @ turned.T))
+        return found
 
     def left(self, white: Array) -> tuple[Array, Array]:
         """What nuisances leave of whitened training entries, (training,), and the nuisances, (m,)."""
@@ -119,6 +145,12 @@ class LinearPosterior:
         slopes = self.basis.slopes(columns[self.noise.data.train])[free]
         follow[free] = np.linalg.solve(self.basis.curvature[np.ix_(free, free)], slopes)
         return columns - self.basis.whole @ follow
+
+
+def _product(columns: Array, white: Array) -> Array:
+    """A^T y in double precision, (m,) or (m, k)."""
+    parts = (part.T.astype(float) @ own for part, own in zip(_rows(columns), _rows(white)))
+    return sum(parts, np.zeros((columns.shape[1], *white.shape[1:])))
 
 
 def _rows(matrix: Array) -> Iterator[Array]:

@@ -5,6 +5,9 @@ import pytest
 
 from boom_mj.diagnosis.linearisation import Linearisation, of_size
 from boom_mj.effects import make_effect
+from boom_mj.estimation.linear import LinearPosterior
+from boom_mj.estimation.noise import NoiseModel
+from boom_mj.systems.predictor import dataset_of
 
 
 def test_products_of_whitened_vectors_are_those_of_the_inverse_covariance(model: Linearisation) -> None:
@@ -40,3 +43,27 @@ def test_nuisances_at_the_same_place_add_up(model: Linearisation) -> None:
     softer = sizes[make_effect("link_stiffness", {"link": 3, "axis": "v"}).cause]
     assert softer == pytest.approx(1 - 0.005 - 0.003)  # of all links, and of its own plates
     assert len(found) == len({e.cause for e in found})
+
+
+def test_what_training_does_not_tell_of_nuisances_is_no_gap(model: Linearisation) -> None:
+    """What is held out counts by the inverse of 1 + H C^-1 H^T, with C what training tells."""
+    posterior, held_out = model.posterior, model.data.held_out
+    columns = posterior.basis.whole[held_out].astype(float)
+    covariance = np.eye(len(columns)) + columns @ np.linalg.solve(posterior.basis.curvature, columns.T)
+    noise = np.random.default_rng(2).standard_normal(len(held_out))
+    residual = noise + posterior.basis.whole @ np.linspace(-2, 2, columns.shape[1])
+    predicted = (residual - posterior.basis.whole @ posterior.estimate(residual))[held_out]
+    expected = predicted @ np.linalg.solve(covariance, predicted)
+    assert np.sum(model.clean(residual)[held_out] ** 2) == pytest.approx(expected, rel=1e-5)
+    assert abs(predicted @ predicted - expected) > 1e-3 * expected
+
+
+def test_what_changed_in_one_recording_is_not_seen_in_another(model: Linearisation) -> None:
+    """Each that is held out is whitened by itself."""
+    data = dataset_of(model.system, [model.data.recordings[0]] * 3, 1)
+    rng, noise = np.random.default_rng(3), NoiseModel(data, np.where(data.used, 1 / data.noise, 0.0), 0 * data.time)
+    posterior = LinearPosterior.of(noise, rng.standard_normal((len(data.time), 5)) * data.noise[:, None])
+    residual, changed = rng.standard_normal(len(data.time)), data.recording_of == 1
+    before, after = posterior.clean(residual), posterior.clean(residual + 30 * changed * posterior.basis.whole[:, 0])
+    assert np.linalg.norm((after - before)[changed]) > 10
+    assert np.array_equal(after[~changed], before[~changed])
