@@ -5,9 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from boom_mj.diagnosis.linearisation import Linearisation
-from boom_mj.diagnosis.scoring import Scored
+from boom_mj.diagnosis.scoring import Scored, correlated
 from boom_mj.estimation.bootstrap import Closure, log_squares, mean_over, worse_by
-from boom_mj.estimation.intervals import FEWEST
+from boom_mj.estimation.intervals import FEWEST, robust_variance
 
 Array = np.ndarray
 Gaps = tuple[float, float]  # training, held out
@@ -51,9 +51,16 @@ def held_out_loss(model: Linearisation, better: Array, worse: Array) -> tuple[fl
 
 
 def sure(model: Linearisation, as_built: Array, found: Scored) -> bool:
-    """Whether the held-out residual is smaller than that of the machine as built beyond what chance does."""
-    fall, error = held_out_loss(model, found.fit.residual, as_built)
-    return fall > model.criteria.sure_z * error
+    """Whether held-out data tell by themselves, beyond what chance does, that what an explanation predicts is there.
+
+    A prediction d leaves r of y = r + d; y = a d has a = d^T y / d^T d, whose deviation is that of d^T r over windows.
+    """
+    rows, left = model.data.held_out, found.fit.residual
+    predicted = (as_built - left)[rows, None].astype(float)
+    inverse = np.linalg.inv(predicted.T @ predicted)
+    (amplitude,) = inverse @ predicted.T @ as_built[rows]
+    (variance,) = robust_variance(inverse, predicted * left[rows, None], correlated(model, rows))
+    return bool(amplitude > model.criteria.sure_z * np.sqrt(variance))
 
 
 def choose(scored: Sequence[Scored], as_built: Gaps) -> Scored | None:

@@ -70,19 +70,26 @@ def deviations(model: Linearisation, found: Fit) -> Array:
     To what residuals show comes, where `gain_z` decides, what they cannot: an error of the model that looks like the
     parameter's own column and moved it instead of staying (`_hidden`).
     """
-    data, repeat_s = model.data, model.facts.repeat_s
-    train = data.train
+    data, train = model.data, model.data.train
     clean = model.posterior.project(found.jacobian, np.ones(len(model.nuisances), bool))[train]
     information = found.jacobian[train].T @ clean
     inverse = np.linalg.inv((information + information.T) / 2 + np.eye(clean.shape[1]) / OPTIONS.prior**2)
-    clusters = [data.windows[train], data.recording_of[train]]
-    if repeat_s is not None:
-        clusters.append(data.moments(repeat_s)[train])
+    clusters = correlated(model, train)
     variance = robust_variance(inverse, clean * found.residual[train][:, None], clusters)
     if model.criteria.gain_z:
-        alone = clusters[0] if repeat_s is None else clusters[-1]
+        alone = clusters[0] if model.facts.repeat_s is None else clusters[-1]
         variance = variance + _hidden(inverse, clean, found.residual[train], data.channel_of[train], alone)
     return np.sqrt(variance)
+
+
+def correlated(model: Linearisation, rows: Array) -> list[Array]:
+    """Clusters within which residuals of entries (N,) of bool are correlated: alternatives, (rows,) of int each.
+
+    Windows, recordings, and the same moment of every pass of a motion that repeats.
+    """
+    data, repeat_s = model.data, model.facts.repeat_s
+    repeated = [] if repeat_s is None else [data.moments(repeat_s)]
+    return [cluster[rows] for cluster in (data.windows, data.recording_of, *repeated)]
 
 
 def _hidden(inverse: Array, columns: Array, residual: Array, channel: Array, cluster: Array) -> Array:
