@@ -32,6 +32,9 @@ def command(
     machine: LogsMachine = None,
     channels: ChannelMapFile = None,
     model: ModelFile = None,
+    picture: Annotated[
+        Path | None, typer.Option(metavar="PNG", help="Picture: every log, and sizes over logs.")
+    ] = None,
     as_json: AnswerFile = None,
     seconds: Seconds = None,
     own_effects: EffectFiles = None,
@@ -50,6 +53,8 @@ def command(
 
     check_machine(machine, channels, model)
     table = None if as_json in (None, "-") else output_path(Path(str(as_json)))
+    if picture is not None:
+        output_path(picture, ".png")
     tell = stopwatch()
     tell(begins_afresh())
     system: System
@@ -69,6 +74,10 @@ def command(
     try:
         if table is not None:
             write_text(table, text)
+        if picture is not None:
+            from boom_mj.report import draw_watch
+
+            draw_watch(answer, picture)
     finally:  # a full disk does not cost the answer
         print(text if as_json == "-" else _summary(answer, sentence(found.found) if found.found else ""))
 
@@ -83,4 +92,18 @@ def _summary(answer: dict[str, Any], words: str) -> str:
     if answer["since"] is None:
         return "\n".join([*lines, "", "The machine is what it was."])
     since = f"Changed since {answer['since']['time_s']:.0f} s of {answer['since']['log']}."
-    return "\n".join([*lines, "", since, f"{answer['verdict']}: {words}"])
+    return "\n".join([*lines, "", since, f"{answer['verdict']}: {words}", *_sizes(answer["logs"])])
+
+
+def _sizes(logs: list[dict[str, Any]]) -> list[str]:
+    """How large every cause is in every log by itself, with its 95 % interval."""
+    lines = []
+    for k, cause in enumerate(logs[0]["effects"]):
+        place = " ".join(f"{key} {value}" for key, value in cause["location"].items())
+        for name in cause["parameters"]:
+            lines += ["", f"{cause['id']} {place}".strip() + f", {name} in each log by itself:"]
+            for row in logs:
+                size = row["effects"][k]["parameters"][name]
+                value, low, high = ("inf" if size[e] is None else f"{size[e]:.4g}" for e in ("value", "low", "high"))
+                lines.append(f"{row['log']}  {value} ({low} to {high}) {size['unit']}".rstrip())
+    return lines

@@ -18,19 +18,25 @@ def described(found: Diagnosis) -> list[dict[str, Any]]:
     best = found.best
     entries = []
     for k, effect in enumerate(best.fit.effects):
-        parameters = _sizes(best, k)
-        parameters |= _of_latent(best, effect, parameters)
         alone = next((j for j in found.scored if j.fit.candidate.places == Candidate((effect,)).places), None)
         entries.append(
             {
-                "id": effect.id,
-                "location": effect.location,
-                "parameters": parameters,
+                **located(best)[k],
                 "closure_alone": closure_of(found, alone) if alone else None,
                 **_share(found, k),
                 "probability": probability(found, effect),
             }
         )
+    return entries
+
+
+def located(scored: Scored) -> list[dict[str, Any]]:
+    """Effects of an explanation with their places, sizes and intervals."""
+    entries = []
+    for k, effect in enumerate(scored.fit.effects):
+        parameters = _sizes(scored, k)
+        parameters |= _of_latent(scored, effect, parameters)
+        entries.append({"id": effect.id, "location": effect.location, "parameters": parameters})
     return entries
 
 

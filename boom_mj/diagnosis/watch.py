@@ -7,12 +7,13 @@ square of each channel group is held against that: over windows of independence,
 
 with g = `near_noise_gap`, the gap up to which nothing is worth a look: model error differs from motion to motion. The
 largest z of all groups is held against a limit that false alarms pass in FALSE_ALARMS of recordings, shared among the
-groups. Within the first changed recording the change lies where the cumulative sum of what is too much, of the group
-that shows most, begins to rise for good.
+groups. Within the first changed recording the change lies where windows that pass it in any group begin to outnumber
+those that do not. What changed is diagnosed on the last recording, since a cause may grow from
+one to the next, or on the last two where one does not tell; how large it is, in every recording by itself.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -21,9 +22,10 @@ from scipy.special import stdtrit
 from boom_mj.diagnosis.answer import plain
 from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.diagnose import Diagnosis, diagnose
+from boom_mj.diagnosis.growth import fitted_alone
 from boom_mj.diagnosis.healthy import as_built
 from boom_mj.diagnosis.linearisation import Linearisation, linearise
-from boom_mj.diagnosis.named import described
+from boom_mj.diagnosis.named import described, located
 from boom_mj.recording import Recording
 from boom_mj.systems.predictor import Predictor, dataset_of
 from boom_mj.systems.system import System
@@ -35,13 +37,17 @@ LEAST_DEVIATION = 0.05  # of a healthy window's mean square: windows are too few
 
 @dataclass(frozen=True)
 class LogState:
-    """One recording: whether the machine had changed, by what statistic against which limit, seen most where."""
+    """One recording: whether the machine had changed, by what statistic against which limit, seen most where.
+
+    `effects` holds the causes as large as this recording alone asks for; none where the change has no explanation.
+    """
 
     log: str
     changed: bool
     statistic: float
     limit: float
     group: str
+    effects: tuple[dict[str, Any], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -61,7 +67,7 @@ class Watch:
     def document(self) -> dict[str, Any]:
         """As plain data."""
         since = None if self.since is None else dict(zip(("log", "time_s"), self.since))
-        effects = described(self.found) if self.found and self.found.solved else []
+        effects = described(self.found) if self.found and _named(self.found) else []
         verdict = self.found.verdict if self.found else "consistent"
         return plain({"logs": [vars(one) for one in self.logs], "since": since, "verdict": verdict, "effects": effects})
 
@@ -86,48 +92,84 @@ def watch(system: System, healthy: Sequence[Recording], logs: Sequence[Recording
     if not changed:
         return Watch(tuple(states), None, None)
     first = changed[0]
-    since = _moment(squares[states[first].group], len(healthy), len(healthy) + first, model.data.correlation_s)
-    altered = [logs[k] for k in changed]
-    train = max(1, len(altered) - 1)
-    found = diagnose(Predictor(built, dataset_of(built, altered, train)), clock=clock)
+    since = _moment(squares, len(healthy), len(healthy) + first, allowed, model.data.correlation_s)
+    found = _diagnosed(built, [logs[k] for k in changed], since, clock)
+    if _named(found) and found.best:
+        causes = found.best.fit.effects
+        for k in range(len(logs)):
+            clock.tell(f"{states[k].log}: {found.best.label}")
+            moment = since if k == first else 0.0
+            alone = fitted_alone(model, len(healthy) + k, causes, moment, states[k].changed, clock)
+            states[k] = replace(states[k], effects=tuple(located(alone)))
     return Watch(tuple(states), (states[first].log, since), found)
 
 
+def _named(found: Diagnosis) -> bool:
+    """Whether causes are told."""
+    return found.solved or found.verdict == "partial"
+
+
+def _diagnosed(built: System, altered: Sequence[Recording], since_s: float, clock: Clock) -> Diagnosis:
+    """Of changed recordings, the first of which changed at a moment."""
+    last = dataset_of(built, altered[-1:], 1).alone(0, since_s if len(altered) == 1 else 0.0)
+    alone = diagnose(Predictor(built, last), clock=clock)
+    if alone.solved or len(altered) == 1 or clock.over("the last two changed recordings"):
+        return alone
+    clock.tell(f"{altered[-2].name} and {altered[-1].name}")
+    both = diagnose(Predictor(built, dataset_of(built, altered[-2:], 1)), clock=clock)
+    return both if both.solved else alone
+
+
 def _windows(model: Linearisation, residual: Array, group: str) -> dict[int, Array]:
-    """Mean squares of a channel group over windows of independence, by recording; at least half full ones."""
+    """Mean squares of a channel group over windows of independence, by recording; NaN where less than half full."""
     data, found = model.data, {}
     own = data.spread([channel.group == group for channel in data.channels]).astype(bool) & data.used
     for index in range(len(data.recordings)):
         rows = own & (data.recording_of == index)
         if rows.any():
-            _, windows, samples = np.unique(data.windows[rows], return_inverse=True, return_counts=True)
+            window = (data.time[rows] // data.correlation_s).astype(int)
+            samples = np.bincount(window)
             whole = samples >= samples.max() / 2  # what is over at the end is a sample or two, and scatters more
-            found[index] = (np.bincount(windows, residual[rows] ** 2) / samples)[whole]
+            squares = np.bincount(window, residual[rows] ** 2) / np.maximum(samples, 1)
+            found[index] = np.where(whole, squares, np.nan)
     return found
 
 
-def _healthy(squares: dict[int, Array], healthy: int) -> Array:
-    """Of all healthy recordings."""
-    return np.concatenate([values for index, values in squares.items() if index < healthy] or [np.ones(1)])
+def _excess(squares: dict[int, Array], healthy: int, index: int, allowed: float) -> tuple[Array, int]:
+    """What windows have too much, in deviations of healthy ones, (n,) with NaN, and how many healthy ones there are."""
+    base = np.concatenate([values for k, values in squares.items() if k < healthy] or [np.ones(1)])
+    base = base[np.isfinite(base)]
+    deviation = max(float(np.std(base, ddof=1)) if len(base) > 1 else 1.0, LEAST_DEVIATION)
+    return (squares[index] - allowed * max(base.mean(), 1.0)) / deviation, len(base)
+
+
+def _limit(base: int, groups: int) -> float:
+    """Deviations that chance exceeds in FALSE_ALARMS of cases, in any of some groups, by so many healthy windows."""
+    return float(stdtrit(max(base - 1, 1), 1 - FALSE_ALARMS / groups))
 
 
 def _state(name: str, squares: dict[str, dict[int, Array]], healthy: int, index: int, allowed: float) -> LogState:
     best, group, limits = -np.inf, "", [0.0]
     there = [name for name, by_log in squares.items() if index in by_log]
     for one in there:
-        base, now = _healthy(squares[one], healthy), squares[one][index]
-        deviation = max(float(np.std(base, ddof=1)) if len(base) > 1 else 1.0, LEAST_DEVIATION)
-        z = (now.mean() - allowed * max(base.mean(), 1.0)) / (deviation * np.sqrt(1 / len(now) + 1 / len(base)))
-        limits.append(float(stdtrit(max(len(base) - 1, 1), 1 - FALSE_ALARMS / len(there))))
+        excess, base = _excess(squares[one], healthy, index, allowed)
+        windows = np.isfinite(excess).sum()
+        z = float(np.nanmean(excess) / np.sqrt(1 / windows + 1 / base))
+        limits.append(_limit(base, len(there)))
         if z > best:
-            best, group = float(z), one
+            best, group = z, one
     limit = max(limits)
     return LogState(name, best > limit, best, limit, group)
 
 
-def _moment(squares: dict[int, Array], healthy: int, index: int, window_s: float) -> float:
-    """When the cumulative sum of a recording's excess begins to rise for good, s."""
-    base, now = _healthy(squares, healthy), squares[index]
-    excess = now - (base.mean() + now.mean()) / 2
-    total = np.concatenate([[0.0], np.cumsum(excess)])
-    return float(np.argmin(total) * window_s)
+def _moment(squares: dict[str, dict[int, Array]], healthy: int, index: int, allowed: float, window_s: float) -> float:
+    """When windows beyond the limit begin to outnumber the others, s."""
+    there = [by_log for by_log in squares.values() if index in by_log]
+    votes = np.zeros(max(len(by_log[index]) for by_log in there))
+    for by_log in there:
+        excess, base = _excess(by_log, healthy, index, allowed)
+        beyond = excess > _limit(base, len(there)) * np.sqrt(1 + 1 / base)
+        seen = np.where(np.isfinite(excess), np.where(beyond, 1.0, -1.0), 0.0)
+        known = votes[: len(seen)]
+        votes[: len(seen)] = np.where(known == 0, seen, np.maximum(known, seen))
+    return float(np.argmin(np.concatenate([[0.0], np.cumsum(votes)])) * window_s)

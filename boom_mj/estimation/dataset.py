@@ -53,6 +53,20 @@ class Dataset:
         """The same recordings; the first part of one more trains."""
         return replace(self, extended=self.extended | {index})
 
+    def alone(self, index: int, since_s: float = 0.0) -> "Dataset":
+        """One recording from a moment on, split in time."""
+        own = self.of(index)
+        seen = [np.where(channel.time < since_s, np.nan, channel.measured) for channel in own]
+        return replace(
+            self,
+            recordings=(self.recordings[index],),
+            training=1,
+            spans=(self.spans[index],),
+            channels=tuple(replace(channel, recording=0, measured=part) for channel, part in zip(own, seen)),
+            first=lambda time, lasts: self.first(time - since_s, lasts - since_s),
+            extended=frozenset(),
+        )
+
     @property
     def trained(self) -> tuple[int, ...]:
         """Indices of the recordings that train, wholly or in part."""

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from boom_mj.report.overlay import draw_pair as draw_pair
     from boom_mj.report.overlay import draw_ratios as draw_ratios
     from boom_mj.report.overlay import draw_shapes as draw_shapes
+    from boom_mj.report.watching import draw_watch as draw_watch
 else:
     __getattr__, __dir__, __all__ = door(
         __name__,
@@ -21,5 +22,6 @@ else:
             "boom_mj.report.diagnosis": ("draw_gaps", "write_diagnosis"),
             "boom_mj.report.discovery": ("write_discovery",),
             "boom_mj.report.overlay": ("draw_overlay", "draw_pair", "draw_ratios", "draw_shapes"),
+            "boom_mj.report.watching": ("draw_watch",),
         },
     )

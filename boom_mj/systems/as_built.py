@@ -38,10 +38,12 @@ class AsBuilt:
     Args:
         system: nominal.
         built: effects that it has.
+        unsure: nuisances about these; those of the system if left out.
     """
 
-    def __init__(self, system: System, built: Hypothesis) -> None:
+    def __init__(self, system: System, built: Hypothesis, unsure: tuple[Nuisance, ...] | None = None) -> None:
         self.system, self.built = system, built
+        self._nuisances = system.nuisances() if unsure is None else unsure
         self._outputs = tuple(effect for effect in built if is_output(effect))
         self._simulated = tuple(effect for effect in built if not is_output(effect))
 
@@ -53,7 +55,7 @@ class AsBuilt:
         return self.system.sites()
 
     def nuisances(self) -> tuple[Nuisance, ...]:
-        return self.system.nuisances()
+        return self._nuisances
 
     def timeline(self, log: Recording) -> Timeline:
         return self.system.timeline(log)

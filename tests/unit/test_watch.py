@@ -3,8 +3,9 @@
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
-from boom_mj.diagnosis.watch import _state, _windows
+from boom_mj.diagnosis.watch import _moment, _state, _windows
 
 GROUP, WHOLE, WINDOWS = "imu/link2/specific_force/x", 20, 7
 
@@ -16,23 +17,33 @@ def squares(last: float, factor: float = 1.0) -> dict[int, np.ndarray]:
     residual = rng.standard_normal((4, count))
     residual[3] *= factor
     residual[3, -1] = last
-    windows = np.concatenate([np.arange(count) // WHOLE + 100 * k for k in range(4)])
     data = SimpleNamespace(
         channels=[SimpleNamespace(group=GROUP)],
         spread=lambda here: np.full(4 * count, here[0]),
         used=np.ones(4 * count, bool),
         recording_of=np.repeat(range(4), count),
         recordings=range(4),
-        windows=windows,
+        time=np.tile(np.arange(count, dtype=float), 4),
+        correlation_s=float(WHOLE),
     )
     return _windows(SimpleNamespace(data=data), residual.ravel(), GROUP)  # type: ignore[arg-type]
 
 
 def test_one_sample_at_the_end_is_no_change() -> None:
     found = squares(last=5.0)
-    assert [len(found[k]) for k in range(4)] == [WINDOWS] * 4
+    assert [np.isfinite(found[k]).sum() for k in range(4)] == [WINDOWS] * 4
     assert not _state("watched", {GROUP: found}, 3, 3, 1.15**2).changed
 
 
 def test_twice_the_noise_is_a_change() -> None:
     assert _state("watched", {GROUP: squares(last=0.0, factor=2.0)}, 3, 3, 1.15**2).changed
+
+
+@pytest.mark.parametrize("first", [0, 3, 5])
+def test_when_within_a_log(first: int) -> None:
+    """Seen in one group where the machine moves, in another where it does not; the rest of a window counts for none."""
+    quiet, moving = squares(last=5.0), squares(last=5.0)
+    late = np.arange(WINDOWS + 1) >= first
+    quiet[3] = np.where(late & (np.arange(WINDOWS + 1) % 2 == 0), 4.0, quiet[3])
+    moving[3] = np.where(late & (np.arange(WINDOWS + 1) % 2 == 1), 4.0, moving[3])
+    assert _moment({GROUP: quiet, "cylinder2": moving}, 3, 3, 1.15**2, WHOLE) == first * WHOLE

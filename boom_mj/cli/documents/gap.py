@@ -27,10 +27,15 @@ class Named(Part):
     location: dict[str, Any]
 
 
-class NamedCause(Named):
-    """A cause."""
+class SizedCause(Named):
+    """A cause with its sizes."""
 
     parameters: dict[str, SizedParameter]
+
+
+class NamedCause(SizedCause):
+    """A cause."""
+
     closure_alone: Number
     share: Number
     """Of the held-out mean square of the machine as built."""
@@ -180,6 +185,8 @@ class LogState(Part):
     statistic: Number
     limit: Number
     group: str
+    effects: list[SizedCause]
+    """Of this log alone."""
 
 
 class Since(Part):
