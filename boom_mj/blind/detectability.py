@@ -1,25 +1,30 @@
 """How plainly an effect shows: what an oracle that knows the machine to the last bolt would see above the noise.
 
-The change that an effect makes in a coarse model, in units of the noise of block means, less what zero offsets of the
-joints could explain, as root mean square over all channels of all experiments. It says nothing about any diagnosis.
+The change that an effect makes in a coarse model, in units of the noise of block means, less what could as well be how
+any healthy machine differs from its file, its nuisances within LIMIT prior deviations, as root mean square over all
+channels of all experiments. It says nothing about any diagnosis.
 """
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
+from scipy.linalg import cholesky, solve_triangular
+from scipy.optimize import lsq_linear
 
-from boom_mj.effects import Effect, effects_of, make_effect
+from boom_mj.effects import Effect, effects_of
 from boom_mj.estimation.blocks import block_means
+from boom_mj.estimation.linear import LIMIT
 from boom_mj.machine import Machine
 from boom_mj.mjcf import build
 from boom_mj.sensors import ideal_signals, noise_levels, sample_rates, true_angles
 from boom_mj.simulation import Experiment, run, step_times
 from boom_mj.simulation.plant import with_effects
+from boom_mj.systems.boom.nuisances import nuisances
 from boom_mj.systems.boom.system import BLOCK_S
 
 Array = np.ndarray
 HINGES = 2
-OFFSET = 0.005  # rad, step of the zero offsets' columns
 
 
 class Detectability:
@@ -28,8 +33,16 @@ class Detectability:
     def __init__(self, machine: Machine, experiments: Sequence[Experiment]):
         self.machine, self.experiments, self.boom = machine, tuple(experiments), build(machine, HINGES)
         self.healthy = self._seen(())
-        offsets = [self._seen((make_effect("joint_zero_offset", {"joint": k, "offset": OFFSET}),)) for k in range(1, 6)]
-        self.basis = np.linalg.qr(np.stack(offsets, axis=1) - self.healthy[:, None])[0]  # (N, 5)
+
+    @cached_property
+    def columns(self) -> Array:
+        """What nuisances change per prior deviation, B, (N, m)."""
+        return np.stack([(self._seen(n.hypothesis) - self.healthy) * n.deviation for n in nuisances()], axis=1)
+
+    @cached_property
+    def _root(self) -> Array:
+        """Upper root of 1 + B^T B, (m, m)."""
+        return cholesky(np.eye(self.columns.shape[1]) + self.columns.T @ self.columns)
 
     def visibility(self, effects: Sequence[Effect]) -> float:
         """Root mean square of what effects change, in deviations of the noise.
@@ -38,8 +51,9 @@ class Detectability:
             EquilibriumError, SimulationError: the machine does not stand these effects.
         """
         change = self._seen(effects) - self.healthy
-        rest = change - self.basis @ (self.basis.T @ change)
-        return float(np.sqrt(np.mean(rest**2)))
+        root, slope = self._root, self.columns.T @ change
+        nuisances = lsq_linear(root, solve_triangular(root, slope, trans="T"), (-LIMIT, LIMIT)).x
+        return float(np.sqrt(np.mean((change - self.columns @ nuisances) ** 2)))
 
     def _seen(self, effects: Sequence[Effect]) -> Array:
         """All noisy channels but the joints' own, averaged over blocks and over their noise, (N,)."""

@@ -16,7 +16,7 @@ MORE = ("several", "clutter")
 """Classes that a mix may ask for besides: three to five effects; one effect on a machine as it was built."""
 SEVERAL = 3, 4, 5  # effects
 SMALL, LARGE = 0.5, 2.0  # times a size worth finding
-VISIBLE = 1.0  # as large as the noise itself, in training and held out; what shows less is drawn again
+VISIBLE = 0.1  # of the noise, in training and held out, beyond what nuisances explain; what shows less is drawn again
 TRIES = 40
 # times the library's size worth finding, where that hardly shows
 SIZES: Mapping[tuple[str, str], float] = {

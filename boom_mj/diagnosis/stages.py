@@ -113,16 +113,25 @@ def _combine(scored: list[Scored], size: int, as_built: Gaps, screening: Screeni
     """Forward, with a swap: partners for the leader, others for its best partner, then for the next leader."""
     model = scored[0].model
     leaders = [j for j in scored if len(j.fit.effects) == size - 1 and useful(j, as_built)]
-    trunks = [(leader.model, leader.fit.effects) for leader in leaders[: model.budget.leaders]]
+    trunks = [(_about(j, as_built, screening.model), j.fit.effects) for j in leaders[: model.budget.leaders]]
     before, first = scored[0].gaps, True
     saving = model.facts.oscillatory  # where all is soon tried a tie is worth the look
     while trunks and not (saving and solved(as_built, scored[0])):
         about, trunk = trunks.pop(0)
         scored = _paired(scored, about, trunk, _partners(about, trunk, screening, clock), before, clock)
         if first and len(scored[0].fit.effects) == size:
-            trunks.insert(0, (scored[0].model, scored[0].fit.effects[1:]))
+            trunks.insert(0, (_about(scored[0], as_built, screening.model), scored[0].fit.effects[1:]))
         first = False
     return scored
+
+
+def _about(found: Scored, as_built: Gaps, nominal: Linearisation) -> Linearisation:
+    """The machine about which more causes are fitted: as an explanation makes it, or nominal if that leaves much.
+
+    Nuisances of an explanation that leaves much are as wrong as it is, and vibrations do not let go of them.
+    """
+    much = nominal.facts.oscillatory and found.train > near(nominal, as_built[0])
+    return nominal if much else found.model
 
 
 def _revealed(scored: list[Scored], screening: Screening, clock: Clock) -> list[Scored]:

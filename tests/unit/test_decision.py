@@ -70,6 +70,15 @@ def test_what_promises_little_is_fitted_only_where_the_best_leaves_much(
     assert fitted == ["tip_payload", "base_compliance axes roll", *["pipe_concrete"] * all_fitted]
 
 
+@mark.parametrize(("left", "swings", "nominal"), [(5.0, True, True), (3.0, True, False), (5.0, False, False)])
+def test_what_leaves_much_of_what_vibrates_is_no_machine_about_which_to_fit(
+    left: float, swings: bool, nominal: bool
+) -> None:
+    model = SimpleNamespace(criteria=BOOM, budget=BUDGET, facts=SimpleNamespace(oscillatory=swings))
+    found = scored(left, PAYLOAD)
+    assert stages._about(found, NOMINAL, model) is (model if nominal else found.model)  # type: ignore[arg-type]
+
+
 def test_a_second_cause_closes_half_of_what_the_first_leaves() -> None:
     single = scored(3.0, PAYLOAD)
     assert chosen(single, scored(2.1, PAYLOAD, SOFT)) == single.label
