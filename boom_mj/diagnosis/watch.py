@@ -7,9 +7,9 @@ square of each channel group is held against that: over windows of independence,
 
 with g = `near_noise_gap`, the gap up to which nothing is worth a look: model error differs from motion to motion. The
 largest z of all groups is held against a limit that false alarms pass in FALSE_ALARMS of recordings, shared among the
-groups. Within the first changed recording the change lies where windows that pass it in any group begin to outnumber
-those that do not. What changed is diagnosed on the last recording, since a cause may grow from
-one to the next, or on the last two where one does not tell; how large it is, in every recording by itself.
+groups. Within the first changed recording the change lies where windows that pass it in any group begin. What changed is
+diagnosed on the last recording, since a cause may grow from one to the next, or on the last two where one does not
+tell; how large it is, in every recording by itself.
 """
 
 from collections.abc import Sequence
@@ -163,13 +163,17 @@ def _state(name: str, squares: dict[str, dict[int, Array]], healthy: int, index:
 
 
 def _moment(squares: dict[str, dict[int, Array]], healthy: int, index: int, allowed: float, window_s: float) -> float:
-    """When windows beyond the limit begin to outnumber the others, s."""
+    """From when on windows show most, s: k with the largest sum of v over sqrt(n - k), of n windows the n - k last.
+
+    v is 1 where any group is beyond its limit; where none is in any window, the largest excess.
+    """
     there = [by_log for by_log in squares.values() if index in by_log]
-    votes = np.zeros(max(len(by_log[index]) for by_log in there))
+    most, beyond = np.zeros((2, max(len(by_log[index]) for by_log in there)))
     for by_log in there:
         excess, base = _excess(by_log, healthy, index, allowed)
-        beyond = excess > _limit(base, len(there)) * np.sqrt(1 + 1 / base)
-        seen = np.where(np.isfinite(excess), np.where(beyond, 1.0, -1.0), 0.0)
-        known = votes[: len(seen)]
-        votes[: len(seen)] = np.where(known == 0, seen, np.maximum(known, seen))
-    return float(np.argmin(np.concatenate([[0.0], np.cumsum(votes)])) * window_s)
+        own, limit = slice(len(excess)), _limit(base, len(there)) * np.sqrt(1 + 1 / base)
+        most[own] = np.fmax(most[own], excess)
+        beyond[own] = np.fmax(beyond[own], excess > limit)
+    shown = beyond if beyond.any() else most
+    rest = np.cumsum(shown[::-1])[::-1]
+    return float(np.argmax(rest / np.sqrt(np.arange(len(rest), 0, -1))) * window_s)

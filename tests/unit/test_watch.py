@@ -47,3 +47,11 @@ def test_when_within_a_log(first: int) -> None:
     quiet[3] = np.where(late & (np.arange(WINDOWS + 1) % 2 == 0), 4.0, quiet[3])
     moving[3] = np.where(late & (np.arange(WINDOWS + 1) % 2 == 1), 4.0, moving[3])
     assert _moment({GROUP: quiet, "cylinder2": moving}, 3, 3, 1.15**2, WHOLE) == first * WHOLE
+
+
+def test_a_change_that_shows_now_and_then_and_one_that_no_window_shows_alone() -> None:
+    stops, faint = squares(last=5.0), squares(last=5.0)
+    stops[3] = np.where(np.isin(np.arange(WINDOWS + 1), [2, 4]), 4.0, 1.0)
+    assert _moment({GROUP: stops}, 3, 3, 1.15**2, WHOLE) == 2 * WHOLE
+    faint[3] = np.where(np.arange(WINDOWS + 1) >= 4, 1.9, 1.0)
+    assert _moment({GROUP: faint}, 3, 3, 1.15**2, WHOLE) == 4 * WHOLE
