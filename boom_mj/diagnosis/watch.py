@@ -7,8 +7,8 @@ square of each channel group is held against that: over windows of independence,
 
 with g = `near_noise_gap`, the gap up to which nothing is worth a look: model error differs from motion to motion. The
 largest z of all groups is held against a limit that false alarms pass in FALSE_ALARMS of recordings, shared among the
-groups. Within the first changed recording the change lies where windows that pass it in any group begin. What changed is
-diagnosed on the last recording, since a cause may grow from one to the next, or on the last two where one does not
+groups. Within the first changed recording the change lies where windows that pass it in any group begin. What changed
+is diagnosed on the last recording, since a cause may grow from one to the next, or on the last two where one does not
 tell; how large it is, in every recording by itself.
 """
 
