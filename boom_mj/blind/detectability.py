@@ -21,17 +21,17 @@ from boom_mj.sensors import ideal_signals, noise_levels, sample_rates, true_angl
 from boom_mj.simulation import Experiment, run, step_times
 from boom_mj.simulation.plant import with_effects
 from boom_mj.systems.boom.nuisances import nuisances
-from boom_mj.systems.boom.system import BLOCK_S
+from boom_mj.systems.boom.system import BLOCK_S, COARSE
 
 Array = np.ndarray
-HINGES = 2
 
 
 class Detectability:
     """An oracle's view of some experiments on a machine."""
 
     def __init__(self, machine: Machine, experiments: Sequence[Experiment]):
-        self.machine, self.experiments, self.boom = machine, tuple(experiments), build(machine, HINGES)
+        self.machine, self.experiments, self.boom = machine, tuple(experiments), build(machine, COARSE.hinges, drawn=False)
+        self.boom.spec.option.timestep *= COARSE.step
         self.healthy = self._seen(())
 
     @cached_property

@@ -83,22 +83,22 @@ def test_sizes_spread_both_ways_and_places_everywhere() -> None:
 
 def test_what_does_not_show_is_drawn_again() -> None:
     def seen(effects: list) -> float:
-        return 2.0 if effects[0].location["link"] == 3 else 0.1
+        return 2.0 if effects[0].location["link"] == 3 else 0.01
 
     assert {draw("link_mass", np.random.default_rng(k), seen)[0].location["link"] for k in range(20)} == {3}
-    assert draw("link_mass", np.random.default_rng(0), lambda effects: 0.1)[0].id == "link_mass"
+    assert draw("link_mass", np.random.default_rng(0), lambda effects: 0.01)[0].id == "link_mass"
 
 
 def test_what_shows_nowhere_gives_way_to_another_effect() -> None:
     def seen(effects: list) -> float:
-        return 2.0 if effects[0].id in ("link_mass", "wind") else 0.1
+        return 2.0 if effects[0].id in ("link_mass", "wind") else 0.01
 
     order = Order("pair", ("joint_play", "wind"), "tip_payload")
     (first, _), (second, _) = draw_all(order, np.random.default_rng(0), seen)
     assert (first.id, second.id) == ("link_mass", "wind")
     shown = draw_all(Order("single", ("wind",), "tip_payload"), np.random.default_rng(1), seen)
     assert shown == [draw("wind", np.random.default_rng(1), seen)]
-    hidden = draw_all(Order("single", ("link_mass",), "tip_payload"), np.random.default_rng(0), lambda effects: 0.1)
+    hidden = draw_all(Order("single", ("link_mass",), "tip_payload"), np.random.default_rng(0), lambda effects: 0.01)
     assert len(hidden) == 1 and hidden[0][0].id != "tip_payload"
 
 
