@@ -30,7 +30,8 @@ class Detectability:
     """An oracle's view of some experiments on a machine."""
 
     def __init__(self, machine: Machine, experiments: Sequence[Experiment]):
-        self.machine, self.experiments, self.boom = machine, tuple(experiments), build(machine, COARSE.hinges, drawn=False)
+        self.machine, self.experiments = machine, tuple(experiments)
+        self.boom = build(machine, COARSE.hinges, drawn=False)
         self.boom.spec.option.timestep *= COARSE.step
         self.healthy = self._seen(())
 
