@@ -8,8 +8,8 @@ square of each channel group is held against that: over windows of independence,
 with g = `near_noise_gap`, the gap up to which nothing is worth a look: model error differs from motion to motion. The
 largest z of all groups is held against a limit that false alarms pass in FALSE_ALARMS of recordings, shared among the
 groups. Within the first changed recording the change lies where windows that pass it in any group begin. What changed
-is diagnosed on the last recording, since a cause may grow from one to the next, or on the last two where one does not
-tell; how large it is, in every recording by itself.
+is diagnosed on the one of the last two recordings that shows most, since a cause may grow from one to the next, or on
+both where one does not tell; how large it is, in every recording by itself.
 """
 
 from collections.abc import Sequence
@@ -93,7 +93,9 @@ def watch(system: System, healthy: Sequence[Recording], logs: Sequence[Recording
         return Watch(tuple(states), None, None)
     first = changed[0]
     since = _moment(squares, len(healthy), len(healthy) + first, allowed, model.data.correlation_s)
-    found = _diagnosed(built, [logs[k] for k in changed], since, clock)
+    shows = {k: states[k].statistic for k in changed[-2:]}
+    most = max(shows, key=shows.__getitem__)
+    found = _diagnosed(built, logs[most], [logs[k] for k in shows], since if most == first else 0.0, clock)
     if _named(found) and found.best:
         causes = found.best.fit.effects
         for k in range(len(logs)):
@@ -109,14 +111,13 @@ def _named(found: Diagnosis) -> bool:
     return found.solved or found.verdict == "partial"
 
 
-def _diagnosed(built: System, altered: Sequence[Recording], since_s: float, clock: Clock) -> Diagnosis:
-    """Of changed recordings, the first of which changed at a moment."""
-    last = dataset_of(built, altered[-1:], 1).alone(0, since_s if len(altered) == 1 else 0.0)
-    alone = diagnose(Predictor(built, last), clock=clock)
-    if alone.solved or len(altered) == 1 or clock.over("the last two changed recordings"):
+def _diagnosed(built: System, log: Recording, last: Sequence[Recording], since_s: float, clock: Clock) -> Diagnosis:
+    """Of a recording from a moment on, or, where that does not tell, of the last changed ones."""
+    alone = diagnose(Predictor(built, dataset_of(built, [log], 1).alone(0, since_s)), clock=clock)
+    if alone.solved or len(last) == 1 or clock.over("the last two changed recordings"):
         return alone
-    clock.tell(f"{altered[-2].name} and {altered[-1].name}")
-    both = diagnose(Predictor(built, dataset_of(built, altered[-2:], 1)), clock=clock)
+    clock.tell(" and ".join(one.name for one in last))
+    both = diagnose(Predictor(built, dataset_of(built, last, 1)), clock=clock)
     return both if both.solved else alone
 
 
