@@ -42,8 +42,8 @@ def _states(axes: Axes, logs: list[dict[str, Any]]) -> None:
     axes.bar(range(len(logs)), shares, 0.6, color=[NOMINAL if log["changed"] else QUIET for log in logs], log=True)
     axes.axhline(1, color=MEASURED, lw=0.9, ls=(0, (3, 2)))
     axes.set_ylim(LEAST, max(3.0, 1.5 * max(shares)))
-    axes.set_ylabel("of the limit")
-    axes.set_title("vermilion: changed" if any(log["changed"] for log in logs) else "as it was", loc="left")
+    axes.set_ylabel("times the limit")
+    axes.set_title("excess over healthy logs; vermilion: changed", loc="left")
 
 
 def _sizes(axes: Axes, effects: list[dict[str, Any]], changed: list[bool], name: str) -> None:
