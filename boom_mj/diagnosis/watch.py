@@ -81,9 +81,8 @@ def watch(system: System, healthy: Sequence[Recording], logs: Sequence[Recording
     clock = clock or Clock()
     built = as_built(system, healthy, clock)
     model = linearise(Predictor(built, dataset_of(built, [*healthy, *logs], len(healthy))))
-    residual = model.clean(model.residual(model.base))
-    allowed = model.criteria.near_noise_gap**2
-    squares = {group: _windows(model, residual, group) for group in sorted({c.group for c in model.data.channels})}
+    residual = model.residual(model.base)
+    allowed, squares = model.criteria.near_noise_gap**2, _squares(model, model.clean(residual))
     states = []
     for index in range(len(healthy), len(healthy) + len(logs)):
         states.append(_state(model.data.recordings[index].name, squares, len(healthy), index, allowed))
@@ -92,7 +91,9 @@ def watch(system: System, healthy: Sequence[Recording], logs: Sequence[Recording
     if not changed:
         return Watch(tuple(states), None, None)
     first = changed[0]
-    since = _moment(squares, len(healthy), len(healthy) + first, allowed, model.data.correlation_s)
+    apart = model.data.measured - model.base - model.mean_error - model.columns @ model.posterior.estimate(residual)
+    each = _squares(model, np.nan_to_num(apart) * model.noise.weight)  # the other is whitened all along a recording
+    since = _moment(each, len(healthy), len(healthy) + first, allowed, model.data.correlation_s)
     shows = {k: states[k].statistic for k in changed[-2:]}
     most = max(shows, key=shows.__getitem__)
     found = _diagnosed(built, logs[most], [logs[k] for k in shows], since if most == first else 0.0, clock)
@@ -119,6 +120,11 @@ def _diagnosed(built: System, log: Recording, last: Sequence[Recording], since_s
     clock.tell(" and ".join(one.name for one in last))
     both = diagnose(Predictor(built, dataset_of(built, last, 1)), clock=clock)
     return both if both.solved else alone
+
+
+def _squares(model: Linearisation, residual: Array) -> dict[str, dict[int, Array]]:
+    """`_windows` of all channel groups."""
+    return {group: _windows(model, residual, group) for group in sorted({c.group for c in model.data.channels})}
 
 
 def _windows(model: Linearisation, residual: Array, group: str) -> dict[int, Array]:

@@ -4,12 +4,14 @@ The machine that is measured has six hinges per coordinate, links that are softe
 zero offsets and noise.
 """
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.healthy import as_built
 from boom_mj.diagnosis.watch import watch
 from boom_mj.effects import make_effect
@@ -63,3 +65,16 @@ def test_a_load_that_grows(tmp_path: Path) -> None:
     assert all(size["high"] - size["low"] < 1.5 for size in sizes)
     draw_watch(answer, tmp_path / "watch.png")
     assert (tmp_path / "watch.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_load_that_is_hooked_on_within_a_log() -> None:
+    """Nothing before it is seen of it, though nuisances would follow."""
+    before, after = record("monday", seed=3), record("monday", 30.0, 4)
+    joined = {}
+    for name, signal in after.signals.items():
+        old, moment = before.signals[name], 10.0
+        early, late = old.time < moment, signal.time >= moment
+        values = np.concatenate([old.values[early], signal.values[late]])
+        joined[name] = replace(signal, time=np.concatenate([old.time[early], signal.time[late]]), values=values)
+    found = watch(BoomSystem(BOOM), healthy(), [replace(after, signals=joined)], Clock(0.0))
+    assert found.since == ("monday", 10.0)
