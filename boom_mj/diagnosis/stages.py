@@ -114,14 +114,16 @@ def _combine(scored: list[Scored], size: int, as_built: Gaps, screening: Screeni
     model = scored[0].model
     leaders = [j for j in scored if len(j.fit.effects) == size - 1 and useful(j, as_built)]
     trunks = [(_about(j, as_built, screening.model), j.fit.effects) for j in leaders[: model.budget.leaders]]
-    before, first = scored[0].gaps, True
+    before, seen = scored[0].gaps, set[tuple]()
     saving = model.facts.oscillatory  # where all is soon tried a tie is worth the look
     while trunks and not (saving and solved(as_built, scored[0])):
         about, trunk = trunks.pop(0)
+        if (machine := (id(about), Candidate(trunk).places)) in seen:
+            continue
         scored = _paired(scored, about, trunk, _partners(about, trunk, screening, clock), before, clock)
-        if first and len(scored[0].fit.effects) == size:
+        if not seen and len(scored[0].fit.effects) == size:
             trunks.insert(0, (_about(scored[0], as_built, screening.model), scored[0].fit.effects[1:]))
-        first = False
+        seen.add(machine)
     return scored
 
 
