@@ -183,6 +183,25 @@ def ends(size: dict[str, Any]) -> str:
     return "" if None in (size["low"], size["high"]) else f" ({size['low']:.4g} to {size['high']:.4g})"
 
 
+def entropy_of(commit: str, campaign: str) -> tuple[int, ...]:
+    """Of a campaign that tries a commit."""
+    return tuple(int(w) for w in np.frombuffer(sha256(f"{commit}{campaign}".encode()).digest(), "<u4"))
+
+
+def all_rows(
+    work: Callable[[Any], dict[str, Any]], tasks: Sequence[Any], keep: Path, jobs: int
+) -> list[dict[str, Any]]:
+    """Results of numbered tasks; those that a file holds are done, others are added to it one by one."""
+    rows = [json.loads(line) for line in keep.read_text().splitlines()] if keep.exists() else []
+    done = {row["number"] for row in rows}
+    for finished in spread(work, [task for task in tasks if task.number not in done], jobs):
+        rows.append(finished.result())
+        with keep.open("a") as stream:
+            stream.write(json.dumps(rows[-1]) + "\n")
+        print(f"{len(rows)} of {len(tasks)}", file=sys.stderr, flush=True)
+    return rows
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--commit", required=True, help="that is tried")
@@ -190,17 +209,11 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--keep", type=Path, default=Path("healthy_first.jsonl"))
     options = parser.parse_args()
-    entropy = tuple(int(w) for w in np.frombuffer(sha256(f"{options.commit}healthy first".encode()).digest(), "<u4"))
+    entropy = entropy_of(options.commit, "healthy first")
     drawn = np.random.default_rng(entropy).permutation(known_effects())
     effects = [name for k in range(options.machines) for name in (str(drawn[k % len(drawn)]), "")]
-    rows = [json.loads(line) for line in options.keep.read_text().splitlines()] if options.keep.exists() else []
-    done = {row["number"] for row in rows}
-    tasks = [Task(k, name, entropy) for k, name in enumerate(effects) if k not in done]
-    for finished in spread(tried, tasks, options.jobs):
-        rows.append(finished.result())
-        with options.keep.open("a") as stream:
-            stream.write(json.dumps(rows[-1]) + "\n")
-        print(f"{len(rows)} of {len(effects)} machines", file=sys.stderr, flush=True)
+    tasks = [Task(k, name, entropy) for k, name in enumerate(effects)]
+    rows = all_rows(tried, tasks, options.keep, options.jobs)
     print(table(rows))
     return 0
 

@@ -9,17 +9,15 @@ other), or grows from log to log to what was drawn; healthy series have none. Th
 """
 
 import argparse
-import json
 import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from healthy_first import changed, in_words, stored
+from healthy_first import all_rows, changed, entropy_of, in_words, stored
 
 from boom_mj.blind.detectability import Detectability
 from boom_mj.blind.grading import errors_of
@@ -33,7 +31,6 @@ from boom_mj.machine import load_machine
 from boom_mj.recording import Recording
 from boom_mj.sensors import record
 from boom_mj.simulation import CATALOGUE, run_experiment
-from boom_mj.spreading import spread
 from boom_mj.systems.boom.system import BoomSystem
 
 MACHINE = load_machine("boom36")
@@ -195,22 +192,13 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--keep", type=Path, default=Path("watching.jsonl"))
     options = parser.parse_args()
-    entropy = tuple(int(w) for w in np.frombuffer(sha256(f"{options.commit}watching".encode()).digest(), "<u4"))
+    entropy = entropy_of(options.commit, "watching")
     deck = [str(name) for name in np.random.default_rng(entropy).permutation(known_effects())]
     ways = [WAYS[k % len(WAYS)] for k in range(options.series)]
     for k in range(options.healthy):
         ways.insert(3 * k + 2, "")  # a run that is stopped has some of each
-    rows = [json.loads(line) for line in options.keep.read_text().splitlines()] if options.keep.exists() else []
-    done = {row["number"] for row in rows}
-    tasks = []
-    for k, way in enumerate(ways):
-        names = tuple(np.roll(deck, -k)) if way else ()
-        tasks += [Task(k, way, tuple(map(str, names)), entropy)] if k not in done else []
-    for finished in spread(tried, tasks, options.jobs):
-        rows.append(finished.result())
-        with options.keep.open("a") as stream:
-            stream.write(json.dumps(rows[-1]) + "\n")
-        print(f"{len(rows)} of {len(ways)} series", file=sys.stderr, flush=True)
+    tasks = [Task(k, way, tuple(map(str, np.roll(deck, -k))) if way else (), entropy) for k, way in enumerate(ways)]
+    rows = all_rows(tried, tasks, options.keep, options.jobs)
     print(table(rows))
     return 0
 
