@@ -95,9 +95,10 @@ def drawn(task: Task, rng: np.random.Generator, eye: Detectability) -> Effect | 
 
 def sizes(effect: Effect, way: str, first: int, log: int) -> Effect:
     """An effect as it is in a log."""
-    share = (log - first + 1) / (LOGS - first) if way == WAYS[2] else 1.0
-    candidate = Candidate((effect,))
-    return candidate.at(share * candidate.start)[0] if way == WAYS[2] else effect
+    if way != WAYS[2]:
+        return effect
+    whole = Candidate((effect,))
+    return whole.at((log - first + 1) / (LOGS - first) * whole.start)[0]
 
 
 def free(effect: Effect) -> dict[str, float]:

@@ -1,7 +1,7 @@
 """How plainly an effect shows: what an oracle that knows the machine to the last bolt would see above the noise.
 
 The change that an effect makes in a coarse model, in units of the noise of block means, less what could as well be how
-any healthy machine differs from its file, its nuisances within LIMIT prior deviations, as root mean square over all
+any healthy machine differs from its file, its nuisances within their limits, as root mean square over all
 channels of all experiments. It says nothing about any diagnosis.
 """
 
@@ -9,12 +9,11 @@ from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import cholesky, solve_triangular
-from scipy.optimize import lsq_linear
+from scipy.linalg import cholesky
 
 from boom_mj.effects import Effect, effects_of
 from boom_mj.estimation.blocks import block_means
-from boom_mj.estimation.linear import LIMIT
+from boom_mj.estimation.linear import within_limits
 from boom_mj.machine import Machine
 from boom_mj.mjcf import build
 from boom_mj.sensors import ideal_signals, noise_levels, sample_rates, true_angles
@@ -46,15 +45,14 @@ class Detectability:
         return cholesky(np.eye(self.columns.shape[1]) + self.columns.T @ self.columns)
 
     def visibility(self, effects: Sequence[Effect]) -> float:
-        """Root mean square of what effects change, in deviations of the noise.
+        """Root mean square of what effects change beyond nuisances, in deviations of the noise.
 
         Raises:
             EquilibriumError, SimulationError: the machine does not stand these effects.
         """
         change = self._seen(effects) - self.healthy
-        root, slope = self._root, self.columns.T @ change
-        nuisances = lsq_linear(root, solve_triangular(root, slope, trans="T"), (-LIMIT, LIMIT)).x
-        return float(np.sqrt(np.mean((change - self.columns @ nuisances) ** 2)))
+        rest = change - self.columns @ within_limits(self._root, self.columns.T @ change)
+        return float(np.sqrt(np.mean(rest**2)))
 
     def _seen(self, effects: Sequence[Effect]) -> Array:
         """All noisy channels but the joints' own, averaged over blocks and over their noise, (N,)."""

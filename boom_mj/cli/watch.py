@@ -97,13 +97,18 @@ def _summary(answer: dict[str, Any], words: str) -> str:
 
 def _sizes(logs: list[dict[str, Any]]) -> list[str]:
     """How large every cause is in every log by itself, with its 95 % interval."""
+    from boom_mj.report.words import effect_name
+
     lines = []
     for k, cause in enumerate(logs[0]["effects"]):
-        place = " ".join(f"{key} {value}" for key, value in cause["location"].items())
         for name in cause["parameters"]:
-            lines += ["", f"{cause['id']} {place}".strip() + f", {name} in each log by itself:"]
+            lines += ["", f"{effect_name(cause)}, {name} in each log by itself:"]
             for row in logs:
+                if not row["effects"]:
+                    lines.append(f"{row['log']}  not looked at for want of time")
+                    continue
                 size = row["effects"][k]["parameters"][name]
+                unit = "" if size["unit"] == "1" else size["unit"]
                 value, low, high = ("inf" if size[e] is None else f"{size[e]:.4g}" for e in ("value", "low", "high"))
-                lines.append(f"{row['log']}  {value} ({low} to {high}) {size['unit']}".rstrip())
+                lines.append(f"{row['log']}  {value} ({low} to {high}) {unit}".rstrip())
     return lines

@@ -17,11 +17,11 @@ def described(found: Diagnosis) -> list[dict[str, Any]]:
     assert found.best is not None
     best = found.best
     entries = []
-    for k, effect in enumerate(best.fit.effects):
+    for k, (effect, entry) in enumerate(zip(best.fit.effects, located(best))):
         alone = next((j for j in found.scored if j.fit.candidate.places == Candidate((effect,)).places), None)
         entries.append(
             {
-                **located(best)[k],
+                **entry,
                 "closure_alone": closure_of(found, alone) if alone else None,
                 **_share(found, k),
                 "probability": probability(found, effect),

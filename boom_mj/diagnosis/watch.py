@@ -25,7 +25,7 @@ from boom_mj.diagnosis.diagnose import Diagnosis, diagnose
 from boom_mj.diagnosis.growth import fitted_alone
 from boom_mj.diagnosis.healthy import as_built
 from boom_mj.diagnosis.linearisation import Linearisation, linearise
-from boom_mj.diagnosis.named import described, located
+from boom_mj.diagnosis.named import described, located, named_as_causes
 from boom_mj.recording import Recording
 from boom_mj.systems.predictor import Predictor, dataset_of
 from boom_mj.systems.system import System
@@ -39,7 +39,8 @@ LEAST_DEVIATION = 0.05  # of a healthy window's mean square: windows are too few
 class LogState:
     """One recording: whether the machine had changed, by what statistic against which limit, seen most where.
 
-    `effects` holds the causes as large as this recording alone asks for; none where the change has no explanation.
+    `effects` holds the causes as large as this recording alone asks for; none where the change has no explanation, and
+    where time was up.
     """
 
     log: str
@@ -67,7 +68,7 @@ class Watch:
     def document(self) -> dict[str, Any]:
         """As plain data."""
         since = None if self.since is None else dict(zip(("log", "time_s"), self.since))
-        effects = described(self.found) if self.found and _named(self.found) else []
+        effects = _causes(self.found, described(self.found)) if self.found and self.found.best else []
         verdict = self.found.verdict if self.found else "consistent"
         return plain({"logs": [vars(one) for one in self.logs], "since": since, "verdict": verdict, "effects": effects})
 
@@ -97,19 +98,20 @@ def watch(system: System, healthy: Sequence[Recording], logs: Sequence[Recording
     shows = {k: states[k].statistic for k in changed[-2:]}
     most = max(shows, key=shows.__getitem__)
     found = _diagnosed(built, logs[most], [logs[k] for k in shows], since if most == first else 0.0, clock)
-    if _named(found) and found.best:
-        causes = found.best.fit.effects
-        for k in range(len(logs)):
-            clock.tell(f"{states[k].log}: {found.best.label}")
-            moment = since if k == first else 0.0
-            alone = fitted_alone(model, len(healthy) + k, causes, moment, states[k].changed, clock)
-            states[k] = replace(states[k], effects=tuple(located(alone)))
+    if found.best and any(named_as_causes(found)):
+        for k, state in enumerate(states):
+            if clock.over(f"sizes in {state.log}"):
+                break
+            clock.tell(f"{state.log}: {found.best.label}")
+            index, moment = len(healthy) + k, since if k == first else 0.0
+            alone = fitted_alone(model, index, found.best.fit.effects, moment, state.changed, clock)
+            states[k] = replace(state, effects=tuple(_causes(found, located(alone))))
     return Watch(tuple(states), (states[first].log, since), found)
 
 
-def _named(found: Diagnosis) -> bool:
-    """Whether causes are told."""
-    return found.solved or found.verdict == "partial"
+def _causes(found: Diagnosis, effects: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Of entries for all effects of the best explanation those that the verdict names."""
+    return [effect for effect, so in zip(effects, named_as_causes(found)) if so]
 
 
 def _diagnosed(built: System, log: Recording, last: Sequence[Recording], since_s: float, clock: Clock) -> Diagnosis:

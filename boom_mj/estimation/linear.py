@@ -98,9 +98,8 @@ class LinearPosterior:
     def estimate(self, white: Array) -> Array:
         """Nuisances that whitened training entries ask for, in units of their prior deviation, within +-LIMIT, (m,)."""
         found = np.zeros(len(self.some))
-        if self.some.any():  # |root x - root^-T slope|^2 is what x minimises
-            slope = solve_triangular(self._root, self.basis.slopes(white[self.noise.data.train])[self.some], trans="T")
-            found[self.some] = lsq_linear(self._root, slope, (-LIMIT, LIMIT)).x
+        if self.some.any():
+            found[self.some] = within_limits(self._root, self.basis.slopes(white[self.noise.data.train])[self.some])
         return found
 
     def free(self, estimate: Array) -> Array:
@@ -145,6 +144,11 @@ class LinearPosterior:
         slopes = self.basis.slopes(columns[self.noise.data.train])[free]
         follow[free] = np.linalg.solve(self.basis.curvature[np.ix_(free, free)], slopes)
         return columns - self.basis.whole @ follow
+
+
+def within_limits(root: Array, slope: Array) -> Array:
+    """Nuisances within +-LIMIT by the upper root of 1 + B^T B, (m, m), and B^T y, (m,)."""
+    return lsq_linear(root, solve_triangular(root, slope, trans="T"), (-LIMIT, LIMIT)).x
 
 
 def _product(columns: Array, white: Array) -> Array:

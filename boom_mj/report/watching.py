@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from boom_mj.files import whole_file
 from boom_mj.report.colours import CORRECTED, MEASURED, NOMINAL, QUIET
 from boom_mj.report.drawing import STYLE
+from boom_mj.report.words import effect_name
 
 WIDTH, ROW, DPI = 9.0, 1.9, 110  # inch
 LEAST = 0.1  # of a limit: what is drawn of less
@@ -24,14 +25,15 @@ def draw_watch(answer: Mapping[str, Any], path: Path) -> None:
     Above, the statistic of every log in terms of its limit; below, every size in every log with its 95 % interval.
     """
     logs = answer["logs"]
-    sizes = [(k, name) for k, one in enumerate(logs[-1]["effects"]) for name in one["parameters"]]
+    sizes = [(k, name) for k, one in enumerate(logs[0]["effects"]) for name in one["parameters"]]
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(WIDTH, ROW * (1.2 + len(sizes))), layout="constrained")
         FigureCanvasAgg(figure)
         rows = figure.subplots(1 + len(sizes), 1, sharex=True, squeeze=False)[:, 0]
         _states(rows[0], logs)
         for axes, (k, name) in zip(rows[1:], sizes):
-            _sizes(axes, [log["effects"][k] for log in logs], [log["changed"] for log in logs], name)
+            known = [log for log in logs if log["effects"]]  # the first ones, where time was up
+            _sizes(axes, [log["effects"][k] for log in known], [log["changed"] for log in known], name)
         rows[-1].set_xticks(range(len(logs)), [log["log"] for log in logs], rotation=30, ha="right")
         with whole_file(path) as stream:
             figure.savefig(stream, format="png", dpi=DPI)
@@ -54,7 +56,6 @@ def _sizes(axes: Axes, effects: list[dict[str, Any]], changed: list[bool], name:
     for there, colour in ((True, CORRECTED), (False, QUIET)):
         own = np.flatnonzero((np.array(changed) == there) & np.isfinite(middle))
         axes.errorbar(own, middle[own], reach[:, own], fmt="o", ms=4, lw=1.2, capsize=3, color=colour)
-    place = " ".join(f"{key} {value}" for key, value in effects[0]["location"].items())
-    axes.set_title(f"{effects[0]['id']} {place}".strip(), loc="left")
-    axes.set_ylabel(f"{name}, {found[0]['unit']}".rstrip(", "))
+    axes.set_title(effect_name(effects[0]), loc="left")
+    axes.set_ylabel(name if found[0]["unit"] == "1" else f"{name}, {found[0]['unit']}")
     axes.grid(axis="y")

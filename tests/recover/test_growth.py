@@ -78,3 +78,4 @@ def test_a_load_that_is_hooked_on_within_a_log() -> None:
         joined[name] = replace(signal, time=np.concatenate([old.time[early], signal.time[late]]), values=values)
     found = watch(BoomSystem(BOOM), healthy(), [replace(after, signals=joined)], Clock(0.0))
     assert found.since == ("monday", 10.0)
+    assert not found.logs[0].effects  # there is no time for sizes

@@ -1,11 +1,14 @@
 """Watching a machine: chance alone is no change."""
 
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from boom_mj.cli.watch import _summary
 from boom_mj.diagnosis.watch import _moment, _state, _windows
+from boom_mj.report import draw_watch
 
 GROUP, WHOLE, WINDOWS = "imu/link2/specific_force/x", 20, 7
 
@@ -55,3 +58,16 @@ def test_a_change_that_shows_now_and_then_and_one_that_no_window_shows_alone() -
     assert _moment({GROUP: stops}, 3, 3, 1.15**2, WHOLE) == 2 * WHOLE
     faint[3] = np.where(np.arange(WINDOWS + 1) >= 4, 1.9, 1.0)
     assert _moment({GROUP: faint}, 3, 3, 1.15**2, WHOLE) == 4 * WHOLE
+
+
+def test_sizes_that_time_did_not_suffice_for(tmp_path: Path) -> None:
+    size = {"value": 0.75, "low": 0.7, "high": None, "unit": "1"}
+    cause = {"id": "link_stiffness", "location": {"link": 3, "axis": "v"}, "parameters": {"factor": size}}
+    state = {"changed": True, "statistic": 9.0, "limit": 4.0, "group": GROUP}
+    logs = [{"log": "monday", **state, "effects": [cause]}, {"log": "tuesday", **state, "effects": []}]
+    answer = {"logs": logs, "since": {"log": "monday", "time_s": 0.0}, "verdict": "explained", "effects": [cause]}
+    *_, title, first, second = _summary(answer, "softer").splitlines()
+    assert title == "link stiffness (link 3, axis v), factor in each log by itself:"
+    assert (first, second) == ("monday  0.75 (0.7 to inf)", "tuesday  not looked at for want of time")
+    draw_watch(answer, tmp_path / "watch.png")
+    assert (tmp_path / "watch.png").stat().st_size > 1000
