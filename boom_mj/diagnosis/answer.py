@@ -42,7 +42,7 @@ def document(
             "nominal": gap(raw, rows),
             "before": gap(found.as_built, rows),
             "after": gap(after, rows),
-            "floor": 1.0,
+            "floor": min(1.0, gap(after, rows)),
         }
         for part, rows in (("train", data.train), ("holdout", data.held_out))
     }

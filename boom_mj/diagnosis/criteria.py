@@ -20,11 +20,12 @@ class Criteria:
     explained_gap: float = number(1.03, "gap", "what an explanation may leave; right ones leave 0.95 to 1.01")
     healthy_gap: float = number(1.05, "gap", "up to which nothing needs explaining; healthy machines show 0.97 to 0.99")
     near_noise_gap: float = number(1.15, "gap", "up to which a cause must be sure, and above which a recording trains")
-    second_cause_gap: float = number(1.01, "gap", "above which an explanation that suffices may hide another cause")
     sure_z: float = number(4.0, "standard errors", "by which a cause of a gap near noise must beat chance, of 50 tried")
     tie_z: float = number(2.0, "standard errors", "within which rivals tie: a 95 % interval")
-    least_gain: float = number(0.10, "mean square", "fall of the held-out mean square that counts")
-    healthy_promise: float = number(0.01, "mean square", "screened fall of a healthy machine's training mean square")
+    least_gain: float = number(
+        0.05**2, "mean square", "fall of a mean square that counts, of what shows by a twentieth of the noise"
+    )
+    law_gain: float = number(0.10, "mean square", "by which another law must do better")
     parameter_cost: float = number(1e-3, "share of gap", "what a parameter must be worth, so that equals stay simple")
     tie_closure: float = number(0.03, "closure", "within which rivals tie")
     whole_closure: float = number(0.95, "closure", "that the interval of an explanation must reach")
@@ -90,7 +91,7 @@ class SearchBudget:
     alike_share: float = number(0.9, "share", "of the largest promise, from which other sizes are starts, too")
     apart: float = number(0.5, "sizes worth finding", "by which such starts must differ")
     latent_left: float = number(0.25, "share of gap", "that a latent input must leave less than, to count in screening")
-    second_promise: float = number(0.5, "share", "of what a leader leaves, that a second cause must promise")
+    revealed: int = number(6, "causes", "of an explanation that suffices, beside which one more shows")
     still: float = number(0.1, "sizes worth finding", "within which nuisances and model error stay what they are")
     helped: float = number(0.98, "share of gap", "that a refinement must leave to go on, if much of the gap is left")
     far: float = number(0.25, "share of gap", "above noise, that counts as much of it")
@@ -104,9 +105,8 @@ class SearchBudget:
     rival: float = number(0.1, "share of gap", "of what there was, up to which it is even where the best suffices")
 
 
-INFINITE = float("inf")
 BOOM = Criteria()
-MJCF = Criteria(second_cause_gap=INFINITE, error_share=0.02, required_gain=0.0, gain_z=1.0, leakage=0.0, shadow=0.2)
+MJCF = Criteria(least_gain=0.10, error_share=0.02, required_gain=0.0, gain_z=1.0, leakage=0.0, shadow=0.2)
 OF_KIND = {"boom": BOOM, "mjcf": MJCF}
 
 

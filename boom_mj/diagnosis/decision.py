@@ -18,14 +18,10 @@ def solved(as_built: Gaps, found: Scored) -> bool:
     return all(after <= found.model.criteria.enough(before) for before, after in zip(as_built, found.gaps))
 
 
-def complete(as_built: Gaps, found: Scored) -> bool:
-    """Whether an explanation suffices and leaves so little that no other cause hides in it."""
-    return solved(as_built, found) and max(found.gaps) < found.model.criteria.second_cause_gap
-
-
 def useful(found: Scored, as_built: Gaps) -> bool:
-    """Whether it takes away more of what is held out than the least that counts."""
-    return as_built[1] ** 2 - found.held_out**2 > found.model.criteria.least_gain
+    """Whether it takes away more than the least that counts, in training and held out."""
+    falls = (before**2 - after**2 for before, after in zip(as_built, found.gaps))
+    return min(falls) > found.model.criteria.least_gain
 
 
 def explains(as_built: Gaps, found: Scored, share: Closure) -> bool:
@@ -50,15 +46,21 @@ def held_out_loss(model: Linearisation, better: Array, worse: Array) -> tuple[fl
     return losses[0][0], max(error for _, error in losses)
 
 
-def sure(model: Linearisation, as_built: Array, found: Scored) -> bool:
+def sure(without: Array, found: Scored) -> bool:
     """Whether held-out data tell by themselves, beyond what chance does, that what an explanation predicts is there.
 
     A prediction d leaves r of y = r + d; y = a d has a = d^T y / d^T d, whose deviation is that of d^T r over windows.
+
+    Args:
+        without: residual of the machine as built, or of an explanation with less causes, (N,).
     """
-    rows, left = model.data.held_out, found.fit.residual
-    predicted = (as_built - left)[rows, None].astype(float)
+    model, left = found.model, found.fit.residual
+    rows = model.data.held_out
+    predicted = (without - left)[rows, None].astype(float)
+    if not np.any(predicted):
+        return False
     inverse = np.linalg.inv(predicted.T @ predicted)
-    (amplitude,) = inverse @ predicted.T @ as_built[rows]
+    (amplitude,) = inverse @ predicted.T @ without[rows]
     (variance,) = robust_variance(inverse, predicted * left[rows, None], correlated(model, rows))
     return bool(amplitude > model.criteria.sure_z * np.sqrt(variance))
 
@@ -109,7 +111,7 @@ def _with_more(best: Scored | None, larger: Sequence[Scored], scored: Sequence[S
         alone = min([before, *(j.held_out for j in members), *([best.held_out] if best else [])])
         gain, criteria = alone**2 - found.held_out**2, found.model.criteria
         inaccurate = 0.0 if max(found.gaps) < criteria.floor else criteria.leakage * (before**2 - alone**2)
-        enough = gain > criteria.least_gain + inaccurate
+        enough = gain > criteria.least_gain + inaccurate and all(sure(one.fit.residual, found) for one in members)
         if enough and alone - found.held_out > criteria.required_gain * (alone - 1):
             return _simplest(found, larger, before)
     return best
@@ -138,7 +140,8 @@ def ties_with(model: Linearisation, best: Scored, other: Scored, before: float) 
         return False
     worse, error = held_out_loss(model, best.fit.residual, other.fit.residual)
     criteria = model.criteria
-    return (other.held_out - best.held_out) < criteria.tie_closure * (before - 1) and worse < criteria.tie_z * error
+    close = other.held_out - best.held_out < criteria.tie_closure * (before - min(best.held_out, 1.0))
+    return close and worse < criteria.tie_z * error
 
 
 def nested(best: Scored, other: Scored) -> bool:

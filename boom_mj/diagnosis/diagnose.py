@@ -11,7 +11,7 @@ from boom_mj.diagnosis.budget import Budget, Odds, gap_budget, needed, odds
 from boom_mj.diagnosis.candidate import everywhere
 from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.criteria import Criteria
-from boom_mj.diagnosis.decision import choose, complete, explains, solved, sure, ties_with
+from boom_mj.diagnosis.decision import choose, explains, solved, sure, ties_with, useful
 from boom_mj.diagnosis.linearisation import Linearisation, linearise
 from boom_mj.diagnosis.scoring import Scored
 from boom_mj.diagnosis.screening import Screened, Screening, spectral_lines
@@ -135,14 +135,15 @@ def diagnose(
         predictor: of its system and recordings.
         without: ids of effects that are withheld from the library.
         clock: how much time there is, and who hears one line per stage.
-        most: causes that an explanation may have; those of the system's facts if left out.
+        most: causes that an explanation may have; if left out those of the system's facts, and more that show beside an
+            explanation that suffices.
         keep: is given what is known after every stage, the best so far.
     """
     with threadpool_limits(1):  # simulations have the cores
-        return _diagnose(predictor, without, clock or Clock(), most or predictor.system.facts.max_causes, keep)
+        return _diagnose(predictor, without, clock or Clock(), most, keep)
 
 
-def _diagnose(predictor: Predictor, without: Sequence[str], clock: Clock, most: int, keep: Keep) -> Diagnosis:
+def _diagnose(predictor: Predictor, without: Sequence[str], clock: Clock, most: int | None, keep: Keep) -> Diagnosis:
     clock.tell("fidelity and nuisances")
     model = linearise(predictor)
     data, criteria = model.data, model.criteria
@@ -158,31 +159,28 @@ def _diagnose(predictor: Predictor, without: Sequence[str], clock: Clock, most: 
         screened = screening.rank(raw)
 
     def concluded(scored: Sequence[Scored]) -> Diagnosis:
-        mimicked = (
-            [screening.mimicked(j.fit.effects, raw, criteria.explained_gap) for j in scored] if screening else None
-        )
-        unseen = screening.unseen(raw, criteria.healthy_gap) if screening else 1.0
+        mimicked = [screening.mimicked(j.fit.effects, raw, j.train) for j in scored] if screening else None
+        unseen = screening.unseen(raw) if screening else 1.0
         return _concluded(model, as_built, screened, scored, mimicked, unseen, clock)
 
     scored: list[Scored] = []
     promise = screened[0].share * training**2 if screened else 0.0
-    if screened and (max(gaps) > criteria.healthy_gap or promise > criteria.healthy_promise):
+    if screened and (max(gaps) > criteria.healthy_gap or promise > criteria.least_gain):
         scored = singles(model, screened, gaps, clock)
-    fall = before**2 - scored[0].held_out ** 2 if scored else 0.0
-    worth = bool(scored) and (before > criteria.healthy_gap or fall > criteria.least_gain / 2)
+    worth = any(before > criteria.healthy_gap or (useful(j, gaps) and sure(as_built, j)) for j in scored)
     if worth:
         keep(concluded(scored))
         scored = refined(scored, gaps, clock)
     found = concluded(scored)
     keep(found)
     other = _extended(found, without, clock, most, keep)
-    if worth and screening and not other and not complete(gaps, scored[0]):
+    if worth and screening and not other:
         found = concluded(combined(scored, gaps, screening, clock, most))
         other = _extended(found, without, clock, most, keep)
     return other if other and other.solved else found
 
 
-def _extended(found: Diagnosis, without: Sequence[str], clock: Clock, most: int, keep: Keep) -> Diagnosis | None:
+def _extended(found: Diagnosis, without: Sequence[str], clock: Clock, most: int | None, keep: Keep) -> Diagnosis | None:
     """The diagnosis where part of a recording held out trains what no other recording shows; its rest is held out.
 
     Only where what is left of training suffices: a search that ends short of that would end so again.
@@ -213,7 +211,7 @@ def _concluded(
     data, criteria = model.data, model.criteria
     gaps = _, before = gap(as_built, data.train), gap(as_built, data.held_out)
     best = choose(scored, gaps)
-    if best and before <= criteria.near_noise_gap and not sure(model, as_built, best):
+    if best and before <= criteria.near_noise_gap and not sure(as_built, best):
         best = None
     share = held_out_closure(model, as_built, best.fit.residual if best else as_built)
     verdict = "unexplained" if best or before > criteria.healthy_gap else "consistent"

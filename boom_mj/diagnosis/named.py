@@ -117,7 +117,8 @@ def probability_of_all(found: Diagnosis) -> float:
 def closure_of(found: Diagnosis, scored: Scored) -> float:
     """Of one candidate, on held-out entries."""
     before = gap(found.as_built, found.model.data.held_out)
-    return (before - scored.held_out) / max(before - 1, 1e-9)
+    least = found.best.held_out if found.best else 1.0
+    return (before - scored.held_out) / max(before - min(least, 1.0), 1e-9)
 
 
 def brief(effects: Sequence[Effect]) -> dict[str, Any]:

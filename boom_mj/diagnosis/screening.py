@@ -18,6 +18,7 @@ from boom_mj.diagnosis.candidate import Candidate, Kind, apart
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.effects import Effect
 from boom_mj.estimation.least_squares import OPTIONS
+from boom_mj.estimation.linear import LinearPosterior
 from boom_mj.systems.system import Hypothesis, LinearResponse
 
 Array = np.ndarray
@@ -131,65 +132,81 @@ class Screening:
             ranked.append(replace(best, others=tuple(starts[1:])))
         return sorted(ranked, key=lambda s: -s.share)
 
-    def beside(self, effects: Hypothesis, residual: Array) -> list[Kind]:
-        """Candidates worth screening about the machine that effects make: those that promise most by today's columns.
+    def promises(
+        self, effects: Hypothesis, residual: Array, about: Linearisation | None = None, jacobian: Array | None = None
+    ) -> dict[tuple, float]:
+        """The share of the misfit of the machine that effects make that candidates may explain, by today's columns.
 
         Beside effects whose size is free a candidate's promise hardly depends on the machine that its column is of.
 
         Args:
             residual: of that machine, whitened, (N,).
+            about: that machine, where it is known; else today's columns follow.
+            jacobian: what its effects change there, (N, p).
         """
-        own = [self.columns[:, part] for part in self._parts_of(effects)]
-        equations = self._equations(residual, np.column_stack([self.follow, *own]))
+        if about is None or jacobian is None:
+            own = [self.columns[:, part] for part in self._parts_of(effects)]
+            equations = self._equations(residual, np.column_stack([self.follow, *own]))
+        else:
+            follow = np.column_stack([about.posterior.trained, jacobian[about.data.train]])
+            equations = self._equations(residual, follow, about.posterior)
         promise: dict[tuple, float] = {}
         for (kind, site, _), part in zip(self.rows, self.stretches):
-            share, _ = self._explained(equations, part)
-            promise[kind.id, site.key] = max(share, promise.get((kind.id, site.key), 0.0))
+            if apart(kind, site, effects):
+                share, _ = self._explained(equations, part)
+                promise[kind.id, site.key] = max(share, promise.get((kind.id, site.key), 0.0))
+        return promise
+
+    def beside(self, effects: Hypothesis, residual: Array) -> list[Kind]:
+        """Candidates worth screening about the machine that effects make: those that promise most."""
+        promise = self.promises(effects, residual)
         able = [(kind, site) for kind, site in self.kinds if apart(kind, site, effects)]
         able.sort(key=lambda one: -promise.get((one[0].id, one[1].key), np.inf))  # first what had no line to follow
         return able[: self.model.budget.beside]
 
-    def mimicked(self, effects: Hypothesis, residual: Array, enough: float) -> float:
+    def mimicked(self, effects: Hypothesis, residual: Array, left: float) -> float:
         """How many kinds of other effects these would explain, had one of them caused a gap as large as a residual's.
 
         A kind counts by the share of its sites. With u the part of a column that is none of the effects' columns, they
-        would leave the mean square 1 + u (<r, r> / n - 1).
+        would leave the mean square 1 + u e, e what is above the floor: little enough, and the rest enough to count.
 
         Args:
             residual: whitened, (N,).
-            enough: gap that an explanation may leave.
+            left: gap that the effects leave in training.
         """
-        equations = self.normal_equations(residual)
-        excess = max(equations.whole / len(self.columns) - 1, 0.0)
+        equations, criteria = self.normal_equations(residual), self.model.criteria
+        excess = equations.whole / len(self.columns) - min(left, 1.0) ** 2
         own = self._parts_of(effects)
         if not own:
             return 0.0
         mine = np.concatenate([np.arange(part.start, part.stop) for part in own])
         across = equations.curvature(mine, np.arange(self.columns.shape[1]))
         explained = np.einsum("kc,kc->c", across, np.linalg.pinv(across[:, mine], hermitian=True) @ across)
-        left = 1 - explained / np.maximum(equations.diagonal, 1e-12)
+        other = 1 - explained / np.maximum(equations.diagonal, 1e-12)
+        takes = (1 + other * excess <= criteria.explained_gap**2) & ((1 - other) * excess > criteria.least_gain)
         alike: dict[str, dict[tuple, bool]] = {}
         for (kind, site, _), part in zip(self.rows, self.stretches):
             if apart(kind, site, effects):
-                same = bool(np.all(1 + left[part] * excess <= enough**2))
+                same = bool(np.all(takes[part]))
                 places = alike.setdefault(kind.id, {})
                 places[site.key] = places.get(site.key, True) and same
         return float(sum(np.mean(list(places.values())) for places in alike.values()))
 
-    def unseen(self, residual: Array, enough: float) -> float:
-        """The share of kinds of effects that leave no gap in training, of the largest size screened.
+    def unseen(self, residual: Array) -> float:
+        """The share of kinds of effects that do not count in training, of the largest size screened.
 
         A kind counts by the share of its sites.
 
         Args:
             residual: whitened, (N,).
-            enough: gap that is none.
         """
-        square = 1 + self.normal_equations(residual).diagonal / len(self.columns)
+        square = self.normal_equations(residual).diagonal / len(self.columns)
         seen: dict[str, dict[tuple, bool]] = {}
         for (kind, site, _), part in zip(self.rows, self.stretches):
             places = seen.setdefault(kind.id, {})
-            places[site.key] = places.get(site.key, False) or bool(np.any(square[part] > enough**2))
+            places[site.key] = places.get(site.key, False) or bool(
+                np.any(square[part] > self.model.criteria.least_gain)
+            )
         return 1 - float(np.mean([np.mean(list(places.values())) for places in seen.values()]))
 
     def normal_equations(self, residual: Array) -> "NormalEquations":
@@ -198,9 +215,9 @@ class Screening:
             self._known = residual, self._equations(residual, self.follow)
         return self._known[1]
 
-    def _equations(self, residual: Array, follow: Array) -> "NormalEquations":
+    def _equations(self, residual: Array, follow: Array, posterior: LinearPosterior | None = None) -> "NormalEquations":
         """Of a whitened residual (N,), where columns follow (training, k), the first of them of nuisances."""
-        posterior = self.model.posterior
+        posterior = posterior or self.model.posterior
         left, estimate = posterior.left(residual)
         count, free = len(estimate), posterior.free(estimate)
         prior = np.r_[np.ones(count), np.full(follow.shape[1] - count, OPTIONS.prior**-2)]

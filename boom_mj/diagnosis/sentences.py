@@ -50,9 +50,11 @@ def sentence(found: Diagnosis) -> str:
     causes = [_in_words(entry) for entry, so in zip(described(found), named) if so]
     cause, close = " and ".join(causes), "closes" if len(causes) == 1 else "close"
     together = "" if all(named) else ", with what acts beside,"
-    text = (
-        f"{cause[0].upper()}{cause[1:]}{together} {close} {found.closure.value:.0%} of the held-out gap of {before:.1f}"
-    )
+    whole = f"{close} {found.closure.value:.0%} of the held-out gap of {before:.1f}"
+    if before <= found.criteria.healthy_gap:
+        after, show = gap(found.residual, data.held_out), close.replace("close", "show")
+        whole = f"{show} within noise: {before:.3f} without and {after:.3f} with it on what was held out"
+    text = f"{cause[0].upper()}{cause[1:]}{together} {whole}"
     if found.ties and found.verdict != "partial":
         text += ", and so would " + " or ".join(j.label for j in found.ties)
         if found.next_experiment:

@@ -7,7 +7,7 @@ import numpy as np
 
 from boom_mj.diagnosis.candidate import Candidate, apart
 from boom_mj.diagnosis.clock import Clock
-from boom_mj.diagnosis.decision import Gaps, choose, complete, nested, solved, useful
+from boom_mj.diagnosis.decision import Gaps, choose, nested, solved, useful
 from boom_mj.diagnosis.fitting import fit, grid_starts, refine_jointly
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.scoring import Scored, profiled, score
@@ -29,20 +29,25 @@ def refined(scored: list[Scored], as_built: Gaps, clock: Clock) -> list[Scored]:
     return _simplified(scored, as_built, clock) if scored and solved(as_built, scored[0]) else scored
 
 
-def combined(scored: list[Scored], as_built: Gaps, screening: Screening, clock: Clock, most: int) -> list[Scored]:
+def combined(
+    scored: list[Scored], as_built: Gaps, screening: Screening, clock: Clock, most: int | None
+) -> list[Scored]:
     """With combinations, where single causes do not decide, or one decides that may hide another; simplified.
 
     Args:
         screening: of the library about the machine as built.
-        most: causes of a combination.
+        most: causes of a combination; see `diagnose`.
     """
-    for size in range(2, most + 1):
+    budget, together = screening.model.budget, most or screening.model.facts.max_causes
+    for size in range(2, 1 + (most or max(together, budget.revealed))):
         if not scored or clock.over(f"{size} causes together"):
             return scored
         if not solved(as_built, scored[0]):
-            scored = _combine(scored, size, as_built, screening, clock)
-        elif len(scored[0].fit.effects) == size - 1 and not complete(as_built, scored[0]):
-            scored = _revealed(scored, screening, clock)
+            scored = _combine(scored, size, as_built, screening, clock) if size <= together else scored
+        elif not screening.model.criteria.gain_z:
+            leader = choose(scored, as_built)
+            if leader and len(leader.fit.effects) == size - 1:
+                scored = _revealed(leader, scored, screening, clock)
     return _simplified(scored, as_built, clock)
 
 
@@ -120,7 +125,8 @@ def _combine(scored: list[Scored], size: int, as_built: Gaps, screening: Screeni
         about, trunk = trunks.pop(0)
         if (machine := (id(about), Candidate(trunk).places)) in seen:
             continue
-        scored = _paired(scored, about, trunk, _partners(about, trunk, screening, clock), before, clock)
+        pairs = _pairs(trunk, _partners(about, trunk, screening, clock)) + _shared(trunk, scored)
+        scored = _paired(scored, about, pairs, before, clock)
         if not seen and len(scored[0].fit.effects) == size:
             trunks.insert(0, (_about(scored[0], as_built, screening.model), scored[0].fit.effects[1:]))
         seen.add(machine)
@@ -136,15 +142,15 @@ def _about(found: Scored, as_built: Gaps, nominal: Linearisation) -> Linearisati
     return nominal if much else found.model
 
 
-def _revealed(scored: list[Scored], screening: Screening, clock: Clock) -> list[Scored]:
-    """With pairs of a leader that suffices, where screening promises much of what it leaves."""
-    leader = scored[0]
-    model, trunk, square = leader.model, leader.fit.effects, leader.train**2
-    partners = _partners(model, trunk, screening, clock)
-    promise = max((partner.share for partner in partners), default=0.0) * square
-    if promise < model.budget.second_promise * (square - 1):
+def _revealed(leader: Scored, scored: list[Scored], screening: Screening, clock: Clock) -> list[Scored]:
+    """With pairs of a leader that suffices, where screening promises what counts: at a glance, then about it."""
+    model, trunk = leader.model, leader.fit.effects
+    least = model.criteria.least_gain / leader.train**2
+    glance = screening.promises(trunk, model.residual(*model.predict([trunk])), model, leader.fit.jacobian)
+    if max(glance.values(), default=0.0) < least:
         return scored
-    return _paired(scored, model, trunk, partners, leader.gaps, clock)
+    partners = [partner for partner in _partners(model, trunk, screening, clock) if partner.share >= least]
+    return _paired(scored, model, _pairs(trunk, partners), leader.gaps, clock) if partners else scored
 
 
 def _partners(model: Linearisation, trunk: tuple[Effect, ...], screening: Screening, clock: Clock) -> list[Screened]:
@@ -156,28 +162,26 @@ def _partners(model: Linearisation, trunk: tuple[Effect, ...], screening: Screen
 
 
 def _paired(
-    scored: list[Scored],
-    model: Linearisation,
-    trunk: tuple[Effect, ...],
-    partners: Sequence[Screened],
-    before: Gaps,
-    clock: Clock,
+    scored: list[Scored], model: Linearisation, pairs: Sequence[tuple[Candidate, float]], before: Gaps, clock: Clock
 ) -> list[Scored]:
-    """With effects together with partners, and with what does well without them."""
+    """With combinations that were not tried before, by what they promise."""
     tried = {one.fit.candidate.places for one in scored}
-    pairs = [(Candidate((*trunk, *start.effects)), partner.share) for partner in partners for start in partner.starts]
-    pairs = [*pairs, *((pair, 0.0) for pair in _shared(trunk, scored))]
     pairs = [(pair, share) for pair, share in pairs if pair.places not in tried]
     clock.tell("combinations: " + ", ".join(dict.fromkeys(pair.label for pair, _ in pairs)))
     found = _refined(_fit_by_promise(model, pairs, before[0], clock), before, clock)
     return sorted([*scored, *found], key=lambda j: j.held_out)
 
 
-def _shared(trunk: tuple[Effect, ...], scored: Sequence[Scored]) -> list[Candidate]:
+def _pairs(trunk: tuple[Effect, ...], partners: Sequence[Screened]) -> list[tuple[Candidate, float]]:
+    """Effects together with partners, and what these promise."""
+    return [(Candidate((*trunk, *start.effects)), partner.share) for partner in partners for start in partner.starts]
+
+
+def _shared(trunk: tuple[Effect, ...], scored: Sequence[Scored]) -> list[tuple[Candidate, float]]:
     """Effects together with the best of those that do not share a cause with them: each may stand for part of both."""
     alone = [j.fit.effects[0] for j in scored if len(j.fit.effects) == 1]
     free = [effect for effect in alone if apart(type(effect), effect.site, trunk)]
-    return [Candidate((*trunk, effect)) for effect in free[: scored[0].model.budget.singles_beside]]
+    return [(Candidate((*trunk, effect)), 0.0) for effect in free[: scored[0].model.budget.singles_beside]]
 
 
 def _simplified(scored: list[Scored], as_built: Gaps, clock: Clock) -> list[Scored]:
@@ -220,8 +224,8 @@ def _refined(scored: Sequence[Scored], as_built: Gaps, clock: Clock) -> list[Sco
         close += [j for j in dict.fromkeys(special) if j not in close]
     done: list[Scored] = []
     for one in close:
-        behind = one.held_out - close[0].held_out > budget.rival * (as_built[1] - 1)
-        if done and behind and solved(as_built, done[0]):
+        ahead = min((j.held_out for j in done), default=np.inf)
+        if one.held_out - ahead > budget.rival * (as_built[1] - 1) and solved(as_built, done[0]):
             done.append(one)
             continue
         done.append(_refine(one, as_built, clock))

@@ -237,13 +237,13 @@ def _library(
 def _alike(model: Linearisation, one: Array, other: Array) -> bool:
     """Whether a residual is as large as another, in what both change."""
     loss, error = _loss(model, other, one)
-    return abs(loss) <= max(model.criteria.tie_z * error, model.criteria.least_gain)
+    return abs(loss) <= max(model.criteria.tie_z * error, model.criteria.law_gain)
 
 
 def _better(model: Linearisation, better: Array, worse: Array) -> bool:
     """Whether a residual is smaller than another, beyond what chance does."""
     loss, error = _loss(model, better, worse)
-    return loss > max(model.criteria.tie_z * error, model.criteria.least_gain)
+    return loss > max(model.criteria.tie_z * error, model.criteria.law_gain)
 
 
 def _tied(model: Linearisation, best: FoundLaw, other: FoundLaw) -> bool:
@@ -259,4 +259,4 @@ def _is_law(model: Linearisation, as_built: Array, best: FoundLaw) -> bool:
     trained = before - after > model.criteria.main_share * (before - 1)
     near = gap(as_built, model.data.held_out) <= model.criteria.near_noise_gap
     share = held_out_closure(model, as_built, best.residual)
-    return trained and share.low > model.criteria.main_share and (not near or sure(model, as_built, best.scored))
+    return trained and share.low > model.criteria.main_share and (not near or sure(as_built, best.scored))

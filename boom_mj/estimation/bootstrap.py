@@ -36,9 +36,12 @@ def resampled_means(windows: Array, values: Array) -> Array:
 
 
 def closure(windows: Array, before: Array, after: Array) -> Closure:
-    """(gap before - gap after) / (gap before - 1) of residuals (n,), and its bootstrap over windows, (n,) of int."""
+    """(gap before - gap after) / (gap before - floor) of residuals (n,), and its bootstrap over windows, (n,) of int.
+
+    The floor is 1, or what is left if that is less.
+    """
     old, new = np.sqrt(resampled_means(windows, np.array([before**2, after**2]))).T
-    share = (old - new) / np.maximum(old - 1, 1e-9)
+    share = (old - new) / np.maximum(old - np.minimum(new, 1.0), 1e-9)
     low, high = np.quantile(share[1:], [TAIL, 1 - TAIL])
     return Closure(float(share[0]), float(low), float(high))
 

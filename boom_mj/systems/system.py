@@ -56,7 +56,7 @@ class SystemFacts:
         fidelity: levels of simulation.
         noise: least noise of a sample by signal, one per channel, (k,); the signals named are those compared.
         still: speed below which a coordinate of the timeline is at rest, in its unit.
-        max_causes: most effects that an explanation may have, unless asked otherwise.
+        max_causes: most effects that are sought together where fewer do not suffice, unless asked otherwise.
         wording: for people.
         split: which entries of a recording train where it does so in part; see `Dataset.first`.
         repeat_s: period of a motion that the recordings repeat, if they do.

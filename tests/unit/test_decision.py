@@ -1,11 +1,12 @@
 """Which explanation is chosen of those that were scored, and which of them are tried as pairs."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
-from pytest import MonkeyPatch, mark
+from pytest import MonkeyPatch, fixture, mark
 
-from boom_mj.diagnosis import stages
+from boom_mj.diagnosis import decision, stages
 from boom_mj.diagnosis.candidate import Candidate
 from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.criteria import BOOM, SearchBudget
@@ -22,6 +23,11 @@ PAYLOAD, CONCRETE, SOFT = "tip_payload:mass=27", "pipe_concrete:fill=0.1", "base
 SOFTER = "base_compliance:axes=roll+pitch,roll=1e8,pitch=1e8"
 
 
+@fixture(autouse=True)
+def all_sure(monkeypatch: MonkeyPatch) -> None:
+    monkeypatch.setattr(decision, "sure", lambda without, found: True)
+
+
 def scored(gap: float, *effects: str) -> Scored:
     candidate = Candidate(tuple(map(parse_effect, effects)))
     empty = np.zeros((0, len(candidate.start)))
@@ -35,20 +41,39 @@ def chosen(*found: Scored) -> str | None:
 
 
 def test_a_cause_that_suffices_stands_alone() -> None:
-    single, pair = scored(1.02, PAYLOAD), scored(0.985, PAYLOAD, SOFT)
+    single, pair = scored(0.9860, PAYLOAD), scored(0.9855, PAYLOAD, SOFT)
     assert solved(NOMINAL, single)
     assert chosen(single, pair) == single.label
 
 
-@mark.parametrize(("left", "promised", "looks"), [(1.03, 0.05, True), (1.03, 0.02, False), (1.0, 0.5, False)])
+@mark.parametrize(
+    ("left", "glance", "promised", "looks"),
+    [
+        (1.03, 0.02, 0.003, True),
+        (0.98, 0.02, 0.003, True),
+        (0.98, 0.02, 0.002, False),
+        (0.98, 0.002, 0.02, False),
+    ],
+)
 def test_beside_what_suffices_another_is_tried_where_one_may_hide(
-    monkeypatch: MonkeyPatch, left: float, promised: float, looks: bool
+    monkeypatch: MonkeyPatch, left: float, glance: float, promised: float, looks: bool
 ) -> None:
-    pair = scored(0.98, PAYLOAD, SOFT)
-    monkeypatch.setattr(stages, "_partners", lambda *given: [SimpleNamespace(share=promised)])
+    single, pair = scored(left, PAYLOAD), scored(0.97, PAYLOAD, SOFT)
+    about = SimpleNamespace(**vars(MODEL), predict=lambda given: given, residual=lambda said: said)
+    screening = SimpleNamespace(promises=lambda *given: {SOFT: glance}, model=about)
+    partner = SimpleNamespace(share=promised, starts=[Candidate((parse_effect(SOFT),))])
+    monkeypatch.setattr(stages, "_partners", lambda *given: [partner])
     monkeypatch.setattr(stages, "_paired", lambda found, *given: [pair, *found])
     monkeypatch.setattr(stages, "_simplified", lambda found, *given: found)
-    assert (pair in stages.combined([scored(left, PAYLOAD)], NOMINAL, (), Clock(), 2)) == looks
+    found = stages.combined([replace(single, model=about)], NOMINAL, screening, Clock(), 2)  # type: ignore[arg-type]
+    assert (pair in found) == looks
+
+
+def test_a_second_cause_that_held_out_data_do_not_tell_is_none(monkeypatch: MonkeyPatch) -> None:
+    single, pair = scored(1.02, PAYLOAD), scored(0.97, PAYLOAD, SOFT)
+    assert chosen(single, pair) == pair.label
+    monkeypatch.setattr(decision, "sure", lambda without, found: False)
+    assert chosen(single, pair) == single.label
 
 
 @mark.parametrize(("left", "all_fitted"), [(1.1, False), (2.0, True)])
@@ -106,10 +131,10 @@ def test_nothing_is_chosen_that_does_not_help() -> None:
 def test_the_best_of_what_was_alone_are_tried_beside_a_leader_but_not_its_own_causes() -> None:
     alone = [scored(size, text) for size, text in ((1.4, PAYLOAD), (1.8, SOFTER), (2.0, SOFT), (2.8, CONCRETE))]
     found = [*alone, scored(3.0, "end_hose:mass=20")]
-    tried = [pair.label for pair in _shared(found[0].fit.effects, found)]
+    tried = [pair.label for pair, _ in _shared(found[0].fit.effects, found)]
     assert tried == ["tip_payload + base_compliance axes roll+pitch", "tip_payload + base_compliance axes roll"]
     assert len(tried) == BUDGET.singles_beside
-    beside = [pair.label for pair in _shared(found[1].fit.effects, found)]
+    beside = [pair.label for pair, _ in _shared(found[1].fit.effects, found)]
     assert beside == [
         "base_compliance axes roll+pitch + tip_payload",
         "base_compliance axes roll+pitch + pipe_concrete",

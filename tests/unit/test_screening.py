@@ -3,10 +3,11 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.screening import Screening, spectral_lines
-from boom_mj.effects import make_effect
+from boom_mj.effects import Effect, make_effect
 
 PULSATION = make_effect("pump_pulsation", {"direction": "vertical"})
 
@@ -22,16 +23,24 @@ def test_a_misfit_that_several_periods_explain_starts_fits_at_each(model: Linear
 
 
 def test_what_looks_alike_on_these_data_is_mimicked(model: Linearisation) -> None:
-    """A pulsation does nothing that a payload does; whoever may leave all does what all others do."""
+    """A pulsation does nothing that a payload does; beside a gap near noise little of another's suffices, but some."""
     payload, hose = (make_effect(name, {"mass": 20.0}) for name in ("tip_payload", "end_hose"))
     kinds = [(type(payload), payload.site), (type(hose), hose.site), (type(PULSATION), PULSATION.site)]
     screening = Screening(model, kinds, [0.6])
     residual = np.zeros(len(model.noise.weight))
-    residual[model.data.train] = 100 * screening.columns[:, screening.stretches[0]][:, 0]
-    assert screening.mimicked((PULSATION,), residual, 1.03) == 0.0
-    assert screening.mimicked((payload,), residual, 1e9) == 2.0
+    own = screening.columns[:, screening.stretches[0]][:, 0]
+    own = own / np.sqrt(screening.normal_equations(residual).diagonal[0] / len(own))
+
+    def mimicked(effect: Effect, size: float) -> float:
+        """Beside a gap whose square is as far above noise."""
+        residual = np.zeros(len(model.noise.weight))
+        residual[model.data.train] = np.sqrt(1 + size) * own
+        return screening.mimicked((effect,), residual, 1.0)
+
+    assert [mimicked(payload, size) for size in (0.001, 0.05, 1e4)] == [0.0, 1.0, 0.0]
+    assert mimicked(PULSATION, 1e4) == 0.0
     alone = Screening(model, kinds[:1], [])
-    assert alone.mimicked((payload,), residual, 1e9) == 0.0
+    assert alone.mimicked((payload,), residual, 1.0) == 0.0
 
 
 def test_what_these_recordings_do_not_show_is_unseen(model: Linearisation) -> None:
@@ -40,8 +49,13 @@ def test_what_these_recordings_do_not_show_is_unseen(model: Linearisation) -> No
     screening = Screening(model, [(type(payload), payload.site), (type(PULSATION), PULSATION.site)], [0.6])
     residual = np.zeros(len(model.noise.weight))
     sizes = screening.normal_equations(residual).diagonal / len(screening.columns)
-    low, high = sorted(np.sqrt(1 + part.max()) for part in (sizes[:1], sizes[1:]))
-    assert [screening.unseen(residual, enough) for enough in (0.9 * low, (low + high) / 2, high)] == [0.0, 0.5, 1.0]
+    low, high = sorted(part.max() for part in (sizes[:1], sizes[1:]))
+
+    def unseen(least: float) -> float:
+        screening.model = replace(model, criteria=replace(model.criteria, least_gain=least))
+        return screening.unseen(residual)
+
+    assert [unseen(least) for least in (0.9 * low, (low + high) / 2, high)] == [0.0, 0.5, 1.0]
 
 
 def test_lines_stand_out_of_noise(model: Linearisation) -> None:
@@ -64,3 +78,17 @@ def test_beside_a_cause_whose_size_is_free_counts_what_it_cannot_explain(model: 
     assert [kind.id for kind, _ in screening.beside((payload,), residual)] == ["pump_pulsation", "end_hose"]
     screening.model = replace(model, budget=replace(model.budget, beside=1))
     assert [kind.id for kind, _ in screening.beside((payload,), residual)] == ["pump_pulsation"]
+
+
+def test_a_glance_beside_a_known_machine_goes_by_what_its_sizes_change_there(model: Linearisation) -> None:
+    """What a cause's own size explains is promised to no other; what is known of it is of the machine that it makes."""
+    payload, hose = (make_effect(name, {"mass": 20.0}) for name in ("tip_payload", "end_hose"))
+    screening = Screening(model, [(type(one), one.site) for one in (payload, hose, PULSATION)], [0.6])
+    own, _, other, *_ = (screening.columns[:, part][:, 0] for part in screening.stretches)
+    residual, jacobian = np.zeros(len(model.noise.weight)), np.zeros((len(model.noise.weight), 1))
+    residual[model.data.train], jacobian[model.data.train, 0] = 100 * own + other, own
+    glance = screening.promises((payload,), residual, model, jacobian)
+    assert glance == pytest.approx(screening.promises((payload,), residual), rel=0.05)
+    assert max(glance, key=glance.__getitem__)[0] == "pump_pulsation" and len(glance) == 2
+    blind = screening.promises((payload,), residual, model, 0 * jacobian)
+    assert max(blind, key=blind.__getitem__)[0] == "end_hose"

@@ -19,8 +19,12 @@ SHAPE = np.sin(np.arange(COUNT) / 3)
 
 
 def beyond_chance(as_built: np.ndarray, predicted: np.ndarray) -> bool:
-    found = SimpleNamespace(fit=SimpleNamespace(residual=as_built - predicted))
-    return sure(MODEL, as_built, found)  # type: ignore[arg-type]
+    found = SimpleNamespace(model=MODEL, fit=SimpleNamespace(residual=as_built - predicted))
+    return sure(as_built, found)  # type: ignore[arg-type]
+
+
+def test_what_predicts_nothing_is_not_there() -> None:
+    assert not beyond_chance(NOISE, 0 * SHAPE)
 
 
 @pytest.mark.parametrize("size", [0.0, 0.02, 0.5])
