@@ -219,7 +219,8 @@ def _summary(answer: dict[str, Any]) -> str:
             size = f"{p['value']:.4g} {p['unit']}".removesuffix(" 1")
             lines.append(f"      {name:16} {size}   95 %: {interval}")
     for part, gaps in (("training", answer["gap"]["train"]), ("held out", answer["gap"]["holdout"])):
-        lines.append(f"  gap {part:9} {gaps['before']:7.2f} -> {gaps['after']:.2f}   (floor 1)")
+        digits, floor = (2, "   (floor 1)") if gaps["before"] > 1 else (3, "   (noise)")
+        lines.append(f"  gap {part:9} {gaps['before']:7.{digits}f} -> {gaps['after']:.{digits}f}{floor}")
     for rival in answer["rivals"][:4]:
         lines.append(f"  not {' + '.join(map(_named, (rival, *rival.get('with', ()))))}: {rival['why_not']}")
     for row in answer["budget"]:

@@ -65,7 +65,9 @@ def sentence(found: Diagnosis) -> str:
         if found.criteria.gain_z and (beside := _beside(found)):
             others = f" and {len(beside) - BESIDE} others" * (len(beside) > BESIDE)
             text += f". The data do not tell what acts beside: {', '.join(beside[:BESIDE])}{others}"
-    return f"{text}. Without it, {where}.{_extended(found)}{_other_laws(found)}{_simulated(found)}{_unfinished(found)}"
+    if before > found.criteria.healthy_gap:
+        text += f". Without it, {where}"
+    return f"{text}.{_extended(found)}{_other_laws(found)}{_simulated(found)}{_unfinished(found)}"
 
 
 def _beside(found: Diagnosis) -> list[str]:

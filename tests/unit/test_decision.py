@@ -128,6 +128,13 @@ def test_nothing_is_chosen_that_does_not_help() -> None:
     assert chosen(scored(12.0, PAYLOAD)) is None
 
 
+def test_a_cause_that_training_or_held_out_data_do_not_show_is_none() -> None:
+    found = scored(0.98, PAYLOAD)
+    assert chosen(found) == found.label
+    assert chosen(replace(found, train=12.0)) is None
+    assert chosen(replace(found, held_out=12.0)) is None
+
+
 def test_the_best_of_what_was_alone_are_tried_beside_a_leader_but_not_its_own_causes() -> None:
     alone = [scored(size, text) for size, text in ((1.4, PAYLOAD), (1.8, SOFTER), (2.0, SOFT), (2.8, CONCRETE))]
     found = [*alone, scored(3.0, "end_hose:mass=20")]
