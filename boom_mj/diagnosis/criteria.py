@@ -18,11 +18,11 @@ class Criteria:
 
     floor: float = number(1.0, "gap", "noise alone: below it, a named effect's inaccuracy explains nothing away")
     explained_gap: float = number(
-        1.015,
+        1.01,
         "gap",
-        "what an explanation may leave; of 175 right ones of opened seeds all but one left 0.97 to 1.014",
+        "what an explanation may leave besides `error_share`: healthy booms show 0.987 +- 0.003, at most 0.999",
     )
-    healthy_gap: float = number(1.05, "gap", "up to which nothing needs explaining; healthy machines show 0.97 to 0.99")
+    healthy_gap: float = number(1.05, "gap", "up to which nothing needs explaining, unless a cause is sure")
     near_noise_gap: float = number(1.15, "gap", "up to which a cause must be sure, and above which a recording trains")
     sure_z: float = number(4.0, "standard errors", "by which a cause of a gap near noise must beat chance, of 50 tried")
     tie_z: float = number(2.0, "standard errors", "within which rivals tie: a 95 % interval")
