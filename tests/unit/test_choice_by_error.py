@@ -36,6 +36,10 @@ class Explanation:
         return float(np.sqrt(np.mean(self.residual**2)))
 
     @property
+    def gaps(self) -> tuple[float, float]:
+        return self.held_out, self.held_out
+
+    @property
     def fit(self) -> Any:
         return SimpleNamespace(effects=range(self.causes), scaled=range(self.causes), residual=self.residual)
 
