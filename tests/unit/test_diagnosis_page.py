@@ -21,6 +21,7 @@ from boom_mj.diagnosis import document, nominal_predictor, steps
 from boom_mj.effects import make_effect
 from boom_mj.report import write_diagnosis
 from boom_mj.report.diagnosis.page import SECTIONS, diagnosis_page
+from boom_mj.report.diagnosis.verdict import _fall
 from boom_mj.report.diagnosis.view import View
 from boom_mj.report.words import digits_of, gap_size, number, percent, spoken
 from boom_mj.systems.as_built import AsBuilt
@@ -188,3 +189,12 @@ def test_the_file_is_written(tmp_path: Path) -> None:
 )
 def test_words(said: object, text: object) -> None:
     assert said == text
+
+
+def test_what_shows_within_noise_has_the_digits_that_tell() -> None:
+    gaps = {"nominal": 7.654, "before": 0.9932, "after": 0.9891}
+    assert (
+        _fall(gaps, True) == "7.65 → 0.993 → 0.989" and _fall({**gaps, "nominal": None}, True)[1:] == " → 0.993 → 0.989"
+    )
+    assert _fall({**gaps, "before": None, "after": None}, True).startswith("7.65 → ")
+    assert _fall({**gaps, "before": 2.0}, True) == "7.65 → 2.00 → 0.99"

@@ -135,7 +135,7 @@ def _ties(view: View) -> list[Any]:
 
 def _fall(gaps: Mapping[str, float | None], corrected: bool) -> str:
     steps = ("nominal", "before", "after") if corrected else ("nominal", "before")
-    sizes = [gap_size(gaps[step]) for step in steps]
-    if len(set(sizes)) < len(sizes):  # of what shows within noise
-        sizes = [f"{gaps[step]:.3f}" for step in steps]
+    before = gaps["before"]
+    within = corrected and before is not None and before <= 1
+    sizes = [f"{gaps[step]:.3f}" if within and step != "nominal" else gap_size(gaps[step]) for step in steps]
     return " → ".join(sizes)
