@@ -269,8 +269,10 @@ class Screening:
         Only one that leaves little counts.
         """
         model, train = self.model, self.model.data.train
+        if model.latent is not None or not effect.basis(0.0):
+            return 0.0
         own = model.coarse.with_latent((*self.given, effect), training_only=True)
-        if own.latent is None or model.latent is not None:
+        if own.latent is None:
             return 0.0
         left = model.clean(residual)
         before, after = (float(np.mean(white[train] ** 2)) for white in (left, own.latent.without(left)))

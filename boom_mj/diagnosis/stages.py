@@ -156,6 +156,7 @@ def _revealed(leader: Scored, scored: list[Scored], screening: Screening, clock:
 def _partners(model: Linearisation, trunk: tuple[Effect, ...], screening: Screening, clock: Clock) -> list[Screened]:
     """What screening suggests about the machine that effects make."""
     clock.tell("screening beside " + Candidate(trunk).label)
+    model = model.conditional_on(trunk)
     raw = model.residual(*model.predict([trunk]))
     lines = spectral_lines(model, model.clean(raw))
     return Screening(model, screening.beside(trunk, raw), lines, trunk).rank(raw)[: model.budget.partners]
