@@ -38,7 +38,7 @@ TESTS = (
     "unit/test_candidate", "unit/test_scoring", "unit/test_linearisation", "unit/test_play_and_rest",
     "unit/test_angle_errors", "laws/test_mjcf", "unit/test_latent_input", "unit/test_screening", "unit/test_passes",
     "unit/test_laws", "unit/test_any_machine_answers", "unit/test_diagnosis_page", "unit/test_diagnosis_answer",
-    "unit/test_law_search", "unit/test_known_of_logs",
+    "unit/test_law_search", "unit/test_known_of_logs", "unit/test_diagnosis_of_algebra",
     "unit/test_effect_files", "unit/test_blind_answers", "unit/test_deciding", "golden/test_numbers",
     "unit/test_logs_check", "laws/test_systems", "agree/test_effects_at_rest", "laws/test_estimation",
     "laws/test_effects", "laws/test_data_checks",

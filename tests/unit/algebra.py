@@ -1,0 +1,227 @@
+"""A machine of algebra, diagnosed within a second: what its two sensors say is a sum of shapes in time.
+
+The logged angle u(t) drives it; the first sensor says u, the second its rate. A cause adds its shape to one of them.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from boom_mj.diagnosis.linearisation import Linearisation, linearise
+from boom_mj.effects import Effect, Parameter, Site
+from boom_mj.errors import SimulationError
+from boom_mj.recording import Recording, Signal
+from boom_mj.systems.fidelity import FidelityLadder, Level, Refinement
+from boom_mj.systems.predictor import Predictor, dataset_of
+from boom_mj.systems.system import ChannelPlace, Hypothesis, Nuisance, SystemFacts, Timeline, Wording
+
+Array = np.ndarray
+NOISE, BLOCK_S, CORRELATION_S, LASTS_S = 0.01, 0.1, 1.0, 120.0
+SAID = 1.02 * NOISE  # by the machine file: so many samples scatter by a hundredth
+ROUGH, MIDDLE, FINE = Level(4.0), Level(2.0), Level(1.0)
+SITES = (Site((("sensor", 1),), frozenset({"algebra"})), Site((("sensor", 2),), frozenset({"algebra"})))
+TIME = np.arange(0.0, LASTS_S, 0.02)
+STRETCH_S = 20.0  # after which a motion repeats
+
+
+class Term(Effect):
+    """A sensor says `size` times a shape more."""
+
+    id = "term"
+    at = ("sensor",)
+    needs = frozenset({"algebra"})
+    table = {"size": Parameter("1", 0.0, -5.0, 5.0, 0.05)}
+
+    def shape(self, time: Array, angle: Array) -> Array:
+        """(n,) of an angle (n,) at times."""
+        raise NotImplementedError
+
+    def adds(self, time: Array, angle: Array) -> Array:
+        return self.values["size"] * self.shape(time, angle)
+
+
+class Offset(Term):
+    """What every log has."""
+
+    id = "offset"
+    competes = False
+
+    def shape(self, time: Array, angle: Array) -> Array:
+        return np.ones_like(time)
+
+
+class Square(Term):
+    id = "square"
+
+    def shape(self, time: Array, angle: Array) -> Array:
+        return angle**2
+
+
+class Cube(Term):
+    id = "cube"
+
+    def shape(self, time: Array, angle: Array) -> Array:
+        return angle**3
+
+
+class Ramp(Term):
+    id = "ramp"
+
+    def shape(self, time: Array, angle: Array) -> Array:
+        return time / LASTS_S
+
+
+class Hum(Term):
+    id = "hum"
+
+    def shape(self, time: Array, angle: Array) -> Array:
+        return np.sin(2 * np.pi * 0.9 * time)
+
+
+class Likeness(Term):
+    """Almost a square."""
+
+    id = "likeness"
+
+    def shape(self, time: Array, angle: Array) -> Array:
+        return angle**2 * (1 + 1e-3 * np.sin(time))
+
+
+class Late(Term):
+    """An echo of the angle: not linear in its size, and bounded on one side."""
+
+    id = "late"
+    table = {"size": Parameter("s", 0.0, 0.0, 2.0, 0.1)}
+
+    def adds(self, time: Array, angle: Array) -> Array:
+        return np.interp(time - self.values["size"], time, angle) - angle
+
+
+class Broken(Term):
+    """No machine with it moves."""
+
+    id = "broken"
+
+    def adds(self, time: Array, angle: Array) -> Array:
+        if self.values["size"]:
+            raise SimulationError("it does not move")
+        return np.zeros_like(time)
+
+
+class Gust(Term):
+    """A step that a latent input may follow."""
+
+    id = "gust"
+
+    def shape(self, time: Array, angle: Array) -> Array:
+        return (time > LASTS_S / 2).astype(float)
+
+    def basis(self, time_s: float) -> "Gust":
+        return self
+
+
+LIBRARY: Mapping[str, type[Effect]] = {
+    kind.id: kind for kind in (Offset, Square, Cube, Ramp, Hum, Likeness, Late, Broken, Gust)
+}
+
+
+def term(kind: type[Effect], sensor: int, size: float) -> Effect:
+    return kind(SITES[sensor - 1], size=size)
+
+
+class Algebra:
+    """The machine, of seven members.
+
+    Args:
+        kind: by whose criteria it is diagnosed.
+        oscillatory: whether it is said to vibrate.
+        coarseness: error of a simulation per step of its level.
+    """
+
+    def __init__(self, kind: str = "boom", oscillatory: bool = True, coarseness: float = 0.0) -> None:
+        self.coarseness = coarseness
+        self.facts = SystemFacts(
+            kind=kind,
+            name="algebra",
+            block_s=BLOCK_S,
+            correlation_s=CORRELATION_S,
+            bands_hz=(("static", 0.2), ("above", np.inf)),
+            fidelity=FidelityLadder(ROUGH, ROUGH, MIDDLE, (Refinement(FINE, 2.0, 1.0),), FINE),
+            noise={"first": np.array([SAID]), "second": np.array([SAID])},
+            still=0.01,
+            max_causes=2,
+            wording=Wording(("rest", "motion"), "the first 60%", "finer steps", "offset"),
+            split=lambda time, lasts: time < 0.6 * lasts,
+            oscillatory=oscillatory,
+        )
+
+    def sites(self) -> tuple[Site, ...]:
+        return SITES
+
+    def nuisances(self) -> tuple[Nuisance, ...]:
+        return tuple(Nuisance((term(Offset, sensor, 0.01),), 3.0) for sensor in (1, 2))
+
+    def timeline(self, log: Recording) -> Timeline:
+        angle = log["angle"]
+        blocks = int(LASTS_S / BLOCK_S)
+        return Timeline(
+            0.0,
+            float(angle.time[-1]),
+            lambda time: np.interp(time, angle.time, angle.values[:, 0])[:, None],
+            lambda: np.full(blocks, "motion"),
+        )
+
+    def simulate(self, hypothesis: Hypothesis, level: Level, log: Recording) -> dict[str, Signal]:
+        angle = log["angle"].values[:, 0]
+        said = {1: angle + self.coarseness * level.step * np.cos(angle), 2: np.gradient(angle, TIME)}
+        for effect in hypothesis:
+            assert isinstance(effect, Term)
+            said[int(effect.location["sensor"])] += effect.adds(TIME, angle)
+        return {name: _signal(said[sensor], name) for sensor, name in ((1, "first"), (2, "second"))}
+
+    def observe(self, hypothesis: Hypothesis, dense: Mapping[str, Signal]) -> dict[str, Signal]:
+        return dict(dense)
+
+    def channel(self, signal: str, column: int) -> ChannelPlace:
+        return ChannelPlace(signal, "sensor", signal, "", signal, signal)
+
+
+def recorded(effects: Hypothesis, angle: Callable[[Array], Array], seed: int, coarseness: float = 0.0) -> Recording:
+    """What a machine with effects would log of an angle in time, with noise."""
+    log = Recording(f"log {seed}", "algebra", "", {"angle": _signal(angle(TIME), "angle")})
+    plant, noise = Algebra(coarseness=coarseness), np.random.default_rng(seed)
+    said = plant.simulate(effects, Level(0.0), log)
+    noisy = {n: replace(s, values=s.values + NOISE * noise.standard_normal(s.values.shape)) for n, s in said.items()}
+    return log.with_signals(noisy)
+
+
+def swing(time: Array) -> Array:
+    """An angle with one slow and one faster part."""
+    return np.sin(0.7 * time) + 0.5 * np.sin(1.9 * time)
+
+
+def sweep(time: Array) -> Array:
+    """An angle that quickens."""
+    time = time % STRETCH_S
+    return np.sin(0.4 * time + 0.05 * time**2)
+
+
+def rest(time: Array) -> Array:
+    """No angle at all."""
+    return np.zeros_like(time)
+
+
+def predictor(effects: Hypothesis, motions: Sequence[Callable[[Array], Array]] = (swing, sweep), **facts) -> Predictor:
+    """Of recordings of a machine with effects; the last is held out."""
+    system = Algebra(**facts)
+    logs = [recorded(effects, motion, seed, system.coarseness) for seed, motion in enumerate(motions)]
+    return Predictor(system, dataset_of(system, logs, len(logs) - 1), threads=1)
+
+
+def model(effects: Hypothesis, **facts) -> Linearisation:
+    return linearise(predictor(effects, **facts))
+
+
+def _signal(values: Array, name: str) -> Signal:
+    return Signal(TIME, values[:, None], (name,), "1", "")

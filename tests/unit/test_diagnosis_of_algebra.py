@@ -1,0 +1,310 @@
+"""The whole search, on a machine whose answers are known by algebra."""
+
+from collections.abc import Callable
+
+import numpy as np
+from algebra import (
+    BLOCK_S,
+    LIBRARY,
+    MIDDLE,
+    SAID,
+    TIME,
+    Algebra,
+    Broken,
+    Cube,
+    Gust,
+    Hum,
+    Late,
+    Likeness,
+    Offset,
+    Ramp,
+    Square,
+    Term,
+    model,
+    predictor,
+    recorded,
+    rest,
+    sweep,
+    swing,
+    term,
+)
+from pytest import MonkeyPatch, approx, fixture, mark
+from scipy.optimize import least_squares
+
+from boom_mj.diagnosis import Diagnosis, candidate, diagnose, linearisation
+from boom_mj.diagnosis.candidate import Candidate, everywhere
+from boom_mj.diagnosis.clock import Clock
+from boom_mj.diagnosis.criteria import BOOM
+from boom_mj.diagnosis.fitting import fit, refine_jointly
+from boom_mj.diagnosis.screening import Screening
+from boom_mj.diagnosis.steps import channel_steps
+from boom_mj.diagnosis.watch import watch
+from boom_mj.effects import Effect
+from boom_mj.estimation.least_squares import OPTIONS
+
+SQUARE, HUM, RAMP, LATE = term(Square, 1, 0.05), term(Hum, 2, 0.05), term(Ramp, 2, -0.1), term(Late, 1, 0.3)
+WEAK, WEAKER = term(Hum, 2, 0.003), term(Ramp, 2, -0.002)
+Library = Callable[..., None]
+
+
+@fixture
+def library(monkeypatch: MonkeyPatch) -> Library:
+    """Lets only some effects compete."""
+
+    def hold(*kinds: type[Term]) -> None:
+        held = {name: kind for name, kind in LIBRARY.items() if kind in (Offset, *kinds)}
+        monkeypatch.setattr(candidate, "effect_library", lambda: held)
+
+    hold(Square, Cube, Ramp, Hum, Late)
+    return hold
+
+
+def found(*effects: Effect, without: tuple[str, ...] = (), most: int | None = None, **machine) -> Diagnosis:
+    return diagnose(predictor(effects, **machine), without, most=most)
+
+
+def causes(answer: Diagnosis) -> set:
+    assert answer.best is not None
+    return {effect.cause for effect in answer.best.fit.effects}
+
+
+def off(answer: Diagnosis, true: Effect) -> float:
+    """By how many of its standard deviations the size of a cause is off."""
+    assert answer.best is not None
+    (k,) = [k for k, effect in enumerate(answer.best.fit.effects) if effect.cause == true.cause]
+    scale = true.declared["size"].typical
+    return (answer.best.fit.effects[k].values["size"] - true.values["size"]) / scale / answer.best.deviation[k]
+
+
+@mark.usefixtures("library")
+@mark.parametrize("oscillatory", [True, False])
+def test_a_healthy_machine_has_no_cause(oscillatory: bool) -> None:
+    answer = found(oscillatory=oscillatory)
+    assert (answer.verdict, answer.best, answer.ties, answer.skipped) == ("consistent", None, (), ())
+    assert answer.odds.none > 0.9 and answer.residual is answer.as_built and not answer.solved
+
+
+@mark.usefixtures("library")
+@mark.parametrize("oscillatory", [True, False])
+@mark.parametrize(
+    "true",
+    [(SQUARE,), (LATE,), (SQUARE, HUM), (LATE, WEAK), (LATE, WEAK, WEAKER)],
+    ids=["linear", "not linear", "two", "a weak one beside", "two more beside"],
+)
+def test_causes_are_found_with_their_sizes(true: tuple[Effect, ...], oscillatory: bool) -> None:
+    answer = found(*true, oscillatory=oscillatory)
+    assert answer.verdict == "explained" and answer.solved and not answer.ties
+    assert causes(answer) == {effect.cause for effect in true}
+    assert all(abs(off(answer, effect)) < 3.5 for effect in true)
+    assert max(answer.best.gaps) < BOOM.explained_gap and all(answer.sure)
+    assert answer.closure.value == approx(1.0, abs=0.01) and answer.simplest is None
+    assert sum([*answer.odds.explanations, answer.odds.outside_library, answer.odds.none]) + (
+        answer.odds.combination
+    ) == approx(1.0)
+    right = [p for p, one in zip(answer.odds.explanations, answer.scored) if one is answer.best]
+    assert right == [max(answer.odds.explanations)] and right[0] > 0.8
+
+
+@mark.usefixtures("library")
+@mark.parametrize("true", [(SQUARE,), (LATE,), (SQUARE, HUM), (LATE, HUM)])
+def test_a_machine_of_a_file_is_explained_as_well(true: tuple[Effect, ...]) -> None:
+    answer = found(*true, kind="mjcf", oscillatory=False)
+    assert answer.verdict == "explained" and causes(answer) == {effect.cause for effect in true}
+    assert all(abs(off(answer, effect)) < 3.5 for effect in true)
+
+
+@mark.usefixtures("library")
+def test_a_size_is_as_sure_as_noise_lets_it_be() -> None:
+    answer = found(SQUARE)
+    shape = swing(TIME).reshape(-1, int(BLOCK_S / 0.02)).mean(axis=1) ** 2  # in blocks, hardly another
+    clean = shape - shape.mean()  # the offset follows
+    expected = SAID / np.sqrt(BLOCK_S / 0.02) / np.linalg.norm(clean) / SQUARE.declared["size"].typical
+    assert answer.best.deviation == approx([expected], rel=0.2)
+
+
+@mark.usefixtures("library")
+def test_shares_of_the_gap_are_those_of_the_shapes() -> None:
+    budget = found(SQUARE, HUM).budget
+    noise = SAID / np.sqrt(BLOCK_S / 0.02)
+    square = np.var(sweep(TIME) ** 2) * SQUARE.values["size"] ** 2 / noise**2 / 2  # one of two sensors
+    hum = 0.5 * HUM.values["size"] ** 2 / noise**2 / 2
+    whole = 1 + square + hum
+    first, second = sorted(share.value for share in budget.shares)
+    assert [first, second] == approx(sorted([square / whole, hum / whole]), rel=0.1)
+    assert first + second + budget.remainder.value + budget.floor.value == approx(1.0)
+
+
+@mark.usefixtures("library")
+def test_three_together_are_sought_where_they_are_asked_for() -> None:
+    true = SQUARE, HUM, RAMP
+    answer = found(*true)
+    assert answer.verdict == "unexplained" and causes(answer) < {effect.cause for effect in true}
+    answer = found(*true, most=3)
+    assert answer.verdict == "explained" and causes(answer) == {effect.cause for effect in true}
+
+
+def test_what_the_data_do_not_tell_apart_ties(library: Library) -> None:
+    library(Square, Likeness, Ramp)
+    answer = found(SQUARE)
+    assert answer.verdict == "ambiguous" and answer.solved
+    named = [one.fit.effects[0].id for one in (answer.best, *answer.ties)]
+    assert sorted(named) == ["likeness", "square"] and not any(answer.sure)
+
+
+@mark.usefixtures("library")
+@mark.parametrize("oscillatory", [True, False])
+def test_what_the_library_does_not_hold_is_not_explained(oscillatory: bool) -> None:
+    answer = found(SQUARE, without=("square",), oscillatory=oscillatory)
+    assert answer.verdict == "unexplained" and not answer.solved
+    assert answer.odds.outside_library > 0.5 and answer.odds.none == 0
+    assert all("square" not in {e.id for e in one.fit.effects} for one in answer.scored)
+
+
+@mark.usefixtures("library")
+def test_what_explains_half_is_named_in_part() -> None:
+    answer = found(LATE, term(Square, 2, 0.1), without=("square",), kind="mjcf", oscillatory=False)
+    assert answer.verdict == "partial" and causes(answer) == {LATE.cause} and answer.sure == (True,)
+
+
+@mark.usefixtures("library")
+def test_what_only_held_out_recordings_show_trains_in_part() -> None:
+    answer = found(SQUARE, motions=(rest, swing))
+    assert answer.model.data.extended == {1} and answer.verdict == "explained"
+    assert causes(answer) == {SQUARE.cause}
+
+
+@mark.usefixtures("library")
+def test_of_two_held_out_the_one_that_shows_more_trains_in_part() -> None:
+    data = predictor((SQUARE,), (rest, rest, swing)).data
+    assert data.training == 2 and not data.split_in_time
+    answer = found(SQUARE, motions=(rest, rest, swing))
+    assert answer.model.data.extended == {2} and answer.not_trained == {}
+
+
+def test_a_cause_with_which_nothing_moves_is_none(library: Library) -> None:
+    library(Square, Broken)
+    answer = found(SQUARE)
+    assert answer.verdict == "explained" and causes(answer) == {SQUARE.cause}
+
+
+@mark.usefixtures("library")
+def test_what_a_coarse_simulation_gets_wrong_is_no_gap() -> None:
+    answer = found(coarseness=0.02)
+    assert answer.verdict == "consistent" and answer.fidelity_alone > 0.9
+    wrong = answer.model.mean_error[answer.model.data.channel_of == 0]
+    assert np.abs(wrong).max() == approx(MIDDLE.step * 0.02, rel=0.1)
+
+
+@mark.usefixtures("library")
+def test_without_time_all_that_is_left_out_is_said() -> None:
+    answer = diagnose(predictor((SQUARE, HUM)), clock=Clock(0.0))
+    assert answer.skipped == ("the library",) and answer.best is None and answer.verdict == "unexplained"
+
+
+@mark.usefixtures("library")
+def test_the_stages_are_said_and_what_is_known_is_kept_after_each() -> None:
+    said, kept = list[str](), list[Diagnosis]()
+    answer = diagnose(predictor((SQUARE, HUM)), clock=Clock(tell=said.append), keep=kept.append)
+    assert [line.split()[0] for line in said[:4]] == ["fidelity", "gap", "10", "fitting"]
+    assert any(line.startswith("screening beside") for line in said)
+    assert any(line.startswith("combinations: ") for line in said)
+    assert [one.verdict for one in kept] == ["unexplained"] * 2
+    assert kept[-1].best is not None and kept[-1].best.held_out > answer.best.held_out
+
+
+@mark.usefixtures("library")
+def test_a_candidate_promises_what_least_squares_would_close() -> None:
+    about = model((SQUARE, HUM))
+    raw, train = about.residual(about.base), about.data.train
+    screening = Screening(about, everywhere(about.system), ())
+    promised = {one.candidate.effects[0].cause: one for one in screening.rank(raw)}
+    offsets = about.posterior.basis.whole[train]
+
+    def left(columns: np.ndarray) -> float:
+        stacked = np.vstack([columns, np.eye(columns.shape[1])[:2]])  # the prior of offsets
+        target = np.r_[raw[train], np.zeros(2)]
+        return float(np.sum((target - stacked @ np.linalg.lstsq(stacked, target)[0]) ** 2))
+
+    before = left(offsets)
+    for true in (SQUARE, HUM, RAMP):
+        (moved,) = about.residuals([(true,)])
+        column = (raw - moved)[train][:, None]
+        assert promised[true.cause].share == approx(1 - left(np.hstack([offsets, column])) / before, abs=0.01)
+    assert next(iter(promised)) == HUM.cause
+    for true in (SQUARE, HUM):
+        (effect,) = promised[true.cause].candidate.effects
+        assert effect.values["size"] == approx(true.values["size"], rel=0.05)
+
+
+@mark.usefixtures("library")
+def test_beside_a_cause_others_promise_what_it_leaves() -> None:
+    about = model((SQUARE, HUM))
+    screening = Screening(about, everywhere(about.system), ())
+    left = about.residual(*about.predict([(SQUARE,)]))
+    promise = screening.promises((SQUARE,), left)
+    assert max(promise, key=promise.__getitem__) == HUM.cause and promise[HUM.cause] > 0.9
+    assert SQUARE.cause not in promise
+    first, site = screening.beside((SQUARE,), left)[0]
+    assert (first.id, site.key) == HUM.cause
+
+
+@mark.parametrize("true", [SQUARE, LATE], ids=["linear", "not linear"])
+def test_fits_end_where_least_squares_of_everything_do(true: Effect) -> None:
+    about, start = model((true,)), Candidate((type(true)(true.site, size=0.02),))
+    train = about.data.train
+
+    def residual(at: np.ndarray) -> np.ndarray:
+        offsets = about.posterior.basis.whole[train] @ at[1:]
+        (left,) = about.residuals([start.at(at[:1])])
+        return np.r_[left[train] - offsets, at[0] / OPTIONS.prior, at[1:]]
+
+    low, high = start.bounds()
+    wide = np.full(2, 2.5)
+    best = least_squares(residual, np.r_[start.start, 0.0, 0.0], bounds=(np.r_[low, -wide], np.r_[high, wide]))
+    alone = fit(about, start, OPTIONS.sharp)
+    there, joint = refine_jointly(about.rebased(start.effects, np.zeros(2)), start)
+    assert alone.scaled == approx(best.x[:1], rel=1e-4) and joint.scaled == approx(best.x[:1], rel=1e-3)
+    assert alone.cost == approx(best.cost, rel=1e-5)
+    assert there.effects == joint.effects
+
+
+def test_only_what_has_an_input_that_no_log_tells_is_asked_for_it(library: Library, monkeypatch: MonkeyPatch) -> None:
+    library(Square, Hum, Gust)
+    gust, about, asked = term(Gust, 1, 0.05), model((SQUARE,)), list[tuple[Effect, ...]]()
+
+    def latent_input_of(predictor: object, effects: tuple[Effect, ...], *others: object) -> None:
+        asked.append(effects)
+
+    monkeypatch.setattr(linearisation, "latent_input_of", latent_input_of)
+    Screening(about, everywhere(about.system), (), (gust,)).rank(about.residual(*about.predict([(gust,)])))
+    assert [[effect.cause for effect in effects] for effects in asked] == [[gust.cause, term(Gust, 2, 0.05).cause]]
+
+
+@mark.usefixtures("library")
+def test_steps_go_from_the_data_sheet_to_noise() -> None:
+    first, second = channel_steps(found(SQUARE), ("training", "held out"))[::2][:2]
+    assert (first.log, first.channel, second.log) == ("training", "first", "held out")
+    assert first.data_sheet > 2 and first.as_built > 1.5 and not first.worse
+    assert first.with_causes == approx(1.0, abs=4 * first.uncertainty)
+
+
+@mark.usefixtures("library")
+def test_a_machine_that_changes_is_told_from_then_on() -> None:
+    healthy = [recorded((), motion, seed) for seed, motion in enumerate((swing, sweep))]
+    later = [recorded(effects, swing, 7 + k) for k, effects in enumerate([(), (), (SQUARE,), (SQUARE,)])]
+    answer = watch(Algebra(), healthy, later)
+    assert [state.changed for state in answer.logs] == [False, False, True, True]
+    assert answer.since == ("log 9", 0.0) and answer.found is not None and answer.found.verdict == "explained"
+    assert [state.group for state in answer.logs[2:]] == ["first", "first"]
+    for state in answer.logs[2:]:
+        (effect,) = state.effects
+        assert (effect["id"], effect["location"]) == ("square", {"sensor": 1})
+        size = effect["parameters"]["size"]
+        assert size["low"] < SQUARE.values["size"] < size["high"]
+
+
+@mark.usefixtures("library")
+def test_a_machine_that_stays_as_it_was_raises_no_alarm() -> None:
+    logs = [recorded((), motion, 20 + seed) for seed, motion in enumerate((swing, sweep, swing, sweep))]
+    answer = watch(Algebra(), logs[:2], logs[2:])
+    assert answer.since is None and answer.found is None and answer.document()["verdict"] == "consistent"
