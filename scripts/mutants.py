@@ -40,8 +40,8 @@ TESTS = (
     "unit/test_laws", "unit/test_any_machine_answers", "unit/test_diagnosis_page", "unit/test_diagnosis_answer",
     "unit/test_law_search", "unit/test_known_of_logs", "unit/test_diagnosis_of_algebra",
     "unit/test_effect_files", "unit/test_blind_answers", "unit/test_deciding", "golden/test_numbers",
-    "unit/test_logs_check", "unit/test_channel_checks", "laws/test_systems", "agree/test_effects_at_rest", "laws/test_estimation",
-    "laws/test_effects", "laws/test_data_checks",
+    "unit/test_logs_check", "unit/test_channel_checks", "laws/test_systems", "agree/test_effects_at_rest",
+    "laws/test_estimation", "laws/test_effects", "laws/test_data_checks",
 )  # fmt: skip
 LONGEST = 180.0  # s of all tests of a mutant, which take half of it at most without it
 LONGEST_FILE = 300.0  # s of a file of tests that is watched

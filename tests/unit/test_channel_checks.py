@@ -8,6 +8,9 @@ from boom_mj.replay.quality.assessment import ChannelQuality, Quality, SignalQua
 from boom_mj.replay.quality.beside import Pair, by_case, concerned
 from boom_mj.replay.quality.channels import CHANCE, limits, own_noise, resolution, runs, shortest_run
 from boom_mj.replay.quality.evidence import sensor_of, spans
+from boom_mj.replay.quality.kinds.clock import _earlier, _slower, _without_leap
+from boom_mj.replay.quality.kinds.frozen import _delayed, _lag, _range
+from boom_mj.replay.quality.kinds.spiky import AFTER, TOGETHER, _blows, _cubic, outliers
 
 NOISE = np.random.default_rng(0).standard_normal(4000)
 
@@ -133,3 +136,48 @@ def test_a_summary_counts_what_moves() -> None:
     assert quality.remarks() == ()
     still = Quality((0.42,), (signal("joint/position", channel("joint1", 1.0, 0.4)),))
     assert still.summary().startswith("moving: no joint, 0 of 0") and "boom at rest" in still.remarks()[0]
+
+
+def test_a_cubic_through_its_neighbours_says_what_a_sample_should_be() -> None:
+    time = np.arange(9.0)
+    cube = 2 - time + 0.5 * time**2 - 0.1 * time**3
+    assert _cubic(cube) == pytest.approx(cube)
+    cube[4] += 6.0
+    assert (_cubic(cube) - cube)[2:7] == pytest.approx([-1.0, 4.0, -6.0, 4.0, -1.0])
+
+
+def test_outliers_are_beyond_noise_and_beyond_what_is_usual_around() -> None:
+    values = 0.1 * NOISE + np.sin(0.01 * np.arange(4000))
+    values[[500, 503, 900]] += [3.0, -2.0, 1.6]
+    values[1300] += 0.5  # five deviations
+    values[2000] = np.nan
+    assert np.flatnonzero(outliers(values, 0.1)).tolist() == [500, 503, 900]
+    lively = values + 3.0 * (np.arange(4000) % 2)  # which jumps at every sample
+    assert np.flatnonzero(outliers(lively, 0.1)).tolist() == []
+    assert not outliers(values[:50], 0.1).any() and not outliers(values, 0.0).any()
+
+
+def test_what_two_sensors_see_at_once_is_a_blow() -> None:
+    near, far = 0.9 * TOGETHER, 1.1 * TOGETHER
+    seen = {"imu/link3/specific_force": np.array([1.0, 2.0]), "imu/link3/angular_velocity": np.array([5.0])}
+    others = {"markers": np.array([1.0 + near, 2.0 + far, 5.0 - near])}
+    assert sorted(_blows({**seen, **others})) == pytest.approx([1.0, 1.0 + near, 5.0 - near, 5.0])
+    assert _blows(seen).size == 0  # one box
+    assert AFTER > TOGETHER
+
+
+def test_clocks_are_turned_back() -> None:
+    time = np.array([1.0, 2.0, 3.5, 4.5])
+    assert _without_leap(2.0, 0.5, time) == pytest.approx([1.0, 2.0, 3.0, 4.0])
+    assert _slower(1.25, time) == pytest.approx([1.0, 1.8, 3.0, 3.8]) and _earlier(0.5, time) == pytest.approx(
+        time - 0.5
+    )
+
+
+def test_commands_are_delayed_by_as_many_rows_as_fit_best() -> None:
+    commands = np.cumsum(np.c_[NOISE[:50], NOISE[50:100]], axis=0)
+    late = _delayed(commands, 3)
+    assert late[3:] == pytest.approx(commands[:-3]) and late[:3] == pytest.approx(np.tile(commands[0], (3, 1)))
+    late[10] = np.nan
+    assert _lag(late, commands, 5) == 3 and _lag(late, commands, 2) == 2 and _lag(commands, commands, 5) == 0
+    assert _range(np.array([0.0, 2.0, 1.0, 1.0, -1.0]), 3) == pytest.approx([2.0, 2.0, 1.0, 2.0, 2.0])
