@@ -113,12 +113,17 @@ class Screening:
     def rank(self, residual: Array) -> list[Screened]:
         """Candidates by the share of a whitened residual that they may explain, best first, each at its best point."""
         budget, equations = self.model.budget, self.normal_equations(residual)
-        found: dict[tuple, list[Screened]] = {}
+        looks = list[tuple[Effect, float]]()
         for (kind, site, group), part in zip(self.rows, self.stretches):
             share, weights = self._explained(equations, part)
             values = kind.combine(site, group, weights)
             effect = kind(site, **values)
-            share = max(share if _acts(effect, values) else 0.0, self._of_latent(effect, residual))
+            looks.append((effect, share if _acts(effect, values) else 0.0))
+        before, most = equations.whole / len(self.columns), max((share for _, share in looks), default=0.0)
+        explained = self._leaves_little(before, (1 - most) * before)
+        found: dict[tuple, list[Screened]] = {}
+        for effect, share in looks:
+            share = share if explained else max(share, self._of_latent(effect, residual))
             candidate = Candidate((effect,))
             found.setdefault(candidate.places, []).append(Screened(candidate, share))
         least = budget.alike_share * max((s.share for alike in found.values() for s in alike), default=0.0)
@@ -276,8 +281,11 @@ class Screening:
             return 0.0
         left = model.clean(residual)
         before, after = (float(np.mean(white[train] ** 2)) for white in (left, own.latent.without(left)))
-        enough = model.budget.latent_left * (before**0.5 - 1)
-        return 1 - after / before if after**0.5 - 1 < enough else 0.0
+        return 1 - after / before if self._leaves_little(before, after) else 0.0
+
+    def _leaves_little(self, before: float, after: float) -> bool:
+        """Whether so little is left of a mean square that a latent input that leaves it counts."""
+        return after**0.5 - 1 < self.model.budget.latent_left * (before**0.5 - 1)
 
 
 def spectral_lines(model: Linearisation, residual: Array) -> list[float]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from boom_mj.diagnosis.candidate import Candidate, apart
 from boom_mj.diagnosis.clock import Clock
-from boom_mj.diagnosis.decision import Gaps, choose, nested, solved, useful
+from boom_mj.diagnosis.decision import Gaps, choose, nested, solved, sure, useful
 from boom_mj.diagnosis.fitting import fit, grid_starts, refine_jointly
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.scoring import Scored, profiled, score
@@ -45,8 +45,8 @@ def combined(
         if not solved(as_built, scored[0]):
             scored = _combine(scored, size, as_built, screening, clock) if size <= together else scored
         elif not screening.model.criteria.gain_z:
-            leader = choose(scored, as_built)
-            if leader and len(leader.fit.effects) == size - 1:
+            leader = _shown(scored, as_built, size - 1)
+            if leader:
                 scored = _revealed(leader, scored, screening, clock)
     return _simplified(scored, as_built, clock)
 
@@ -140,6 +140,19 @@ def _about(found: Scored, as_built: Gaps, nominal: Linearisation) -> Linearisati
     """
     much = nominal.facts.oscillatory and found.train > near(nominal, as_built[0])
     return nominal if much else found.model
+
+
+def _shown(scored: Sequence[Scored], as_built: Gaps, size: int) -> Scored | None:
+    """What is chosen, if it has so many causes, or the best of these that surely adds some to it.
+
+    Beside a cause whose inaccuracy may be all that is left, others are chosen only together (`_with_more`).
+    """
+    chosen = choose(scored, as_built)
+    if not chosen or len(chosen.fit.effects) == size:
+        return chosen
+    causes = set(chosen.fit.candidate.places)
+    more = (j for j in scored if len(j.fit.effects) == size and causes < set(j.fit.candidate.places))
+    return next((j for j in more if j.train < chosen.train and sure(chosen.fit.residual, j)), None)
 
 
 def _revealed(leader: Scored, scored: list[Scored], screening: Screening, clock: Clock) -> list[Scored]:

@@ -161,6 +161,13 @@ def test_what_the_library_does_not_hold_is_not_explained(oscillatory: bool) -> N
 
 
 @mark.usefixtures("library")
+def test_two_weak_causes_beside_one_that_suffices_are_chosen_together() -> None:
+    true = LATE, WEAK, term(Ramp, 2, -0.004)  # either of them leaves what the first, being so large, may leave
+    answer = found(*true)
+    assert answer.verdict == "explained" and causes(answer) == {effect.cause for effect in true}
+
+
+@mark.usefixtures("library")
 def test_what_explains_half_is_named_in_part() -> None:
     answer = found(LATE, term(Square, 2, 0.1), without=("square",), kind="mjcf", oscillatory=False)
     assert answer.verdict == "partial" and causes(answer) == {LATE.cause} and answer.sure == (True,)
