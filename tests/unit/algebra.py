@@ -207,16 +207,23 @@ def sweep(time: Array) -> Array:
     return np.sin(0.4 * time + 0.05 * time**2)
 
 
+def lull(time: Array) -> Array:
+    """A swing a third as wide."""
+    return swing(time) / 3
+
+
 def rest(time: Array) -> Array:
     """No angle at all."""
     return np.zeros_like(time)
 
 
-def predictor(effects: Hypothesis, motions: Sequence[Callable[[Array], Array]] = (swing, sweep), **facts) -> Predictor:
-    """Of recordings of a machine with effects; the last is held out."""
+def predictor(
+    effects: Hypothesis, motions: Sequence[Callable[[Array], Array]] = (swing, sweep), training: int = 1, **facts
+) -> Predictor:
+    """Of recordings of a machine with effects, the first of them for training."""
     system = Algebra(**facts)
     logs = [recorded(effects, motion, seed, system.coarseness) for seed, motion in enumerate(motions)]
-    return Predictor(system, dataset_of(system, logs, len(logs) - 1), threads=1)
+    return Predictor(system, dataset_of(system, logs, training), threads=1)
 
 
 def model(effects: Hypothesis, **facts) -> Linearisation:
