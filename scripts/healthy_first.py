@@ -26,7 +26,7 @@ from boom_mj.blind.detectability import Detectability
 from boom_mj.blind.generate import SHORT
 from boom_mj.blind.grading import judge_case
 from boom_mj.blind.plant import AS_BUILT, nuisances, true_plant
-from boom_mj.blind.sampling import draw, known_effects
+from boom_mj.blind.sampling import Order, draw_all, known_effects
 from boom_mj.calibration import USUAL, calibrate, calibrated_text
 from boom_mj.cli.arguments import machine_text
 from boom_mj.diagnosis.answer import document
@@ -67,7 +67,7 @@ class Task:
 def tried(task: Task) -> dict[str, Any]:
     """Truth and answers of one machine."""
     rng = np.random.default_rng((*task.entropy, task.number))
-    healthy, later, truth = recorded(task.effect, rng)
+    healthy, later, truth, _ = recorded([task.effect] if task.effect else [], rng)
     ways: dict[str, Callable[[], System]] = {
         WAYS[0]: lambda: BoomSystem(MACHINE),
         WAYS[1]: lambda: BoomSystem(calibrated(healthy)),
@@ -80,27 +80,31 @@ def tried(task: Task) -> dict[str, Any]:
     }
 
 
-def recorded(name: str, rng: np.random.Generator) -> tuple[Logs, Logs, dict[str, Any]]:
-    """Logs of a machine that was well, later ones, and what is true of these."""
+def recorded(names: Sequence[str], rng: np.random.Generator) -> tuple[Logs, Logs, dict[str, Any], tuple[Effect, ...]]:
+    """Logs of a machine that was well, later ones with effects, what is true of these, and how it was built."""
     seen = [Detectability(MACHINE, part) for part in (SHORT.train, SHORT.holdout)]
+
+    def shows(effects: Sequence[Effect]) -> float:
+        return min(eye.visibility(effects) for eye in seen) if effects else 0.0
+
     while True:
         own = nuisances(MACHINE, rng, AS_BUILT)
-        drawn = [draw(name, rng, lambda e: min(eye.visibility(e) for eye in seen))] if name else []
+        drawn = draw_all(Order("several", tuple(names), ""), rng, shows)
         effects = [effect for effect, _ in drawn]
         try:
             logs = [
                 [record(run_experiment(plant, e), e, rng) for e in EXPERIMENTS]
                 for plant in (true_plant(MACHINE, own), true_plant(MACHINE, changed(own, effects)))
             ]
+            break
         except (EquilibriumError, SimulationError):
             continue  # the coarse model stood it, the fine one does not
-        shows = min(eye.visibility(effects) for eye in seen) if effects else 0.0
-        truth = {
-            "class": "single" if name else "none",
-            "effects": [{"id": e.id, "location": e.location, "parameters": values} for e, values in drawn],
-            "visibility": shows,
-        }
-        return stored(logs[0]), stored(logs[1]), truth
+    truth = {
+        "class": ("none", "single", "pair")[len(names)] if len(names) < 3 else "several",
+        "effects": [{"id": e.id, "location": e.location, "parameters": values} for e, values in drawn],
+        "visibility": shows(effects),
+    }
+    return stored(logs[0]), stored(logs[1]), truth, own
 
 
 def changed(own: Sequence[Effect], effects: Sequence[Effect]) -> list[Effect]:

@@ -17,7 +17,7 @@ from boom_mj.estimation.linear import within_limits
 from boom_mj.machine import Machine
 from boom_mj.mjcf import build
 from boom_mj.sensors import ideal_signals, noise_levels, sample_rates, true_angles
-from boom_mj.simulation import Experiment, run, step_times
+from boom_mj.simulation import Experiment, Plant, run, step_times
 from boom_mj.simulation.plant import with_effects
 from boom_mj.systems.boom.nuisances import nuisances
 from boom_mj.systems.boom.system import BLOCK_S, COARSE
@@ -50,13 +50,21 @@ class Detectability:
         Raises:
             EquilibriumError, SimulationError: the machine does not stand these effects.
         """
-        change = self._seen(effects) - self.healthy
-        rest = change - self.columns @ within_limits(self._root, self.columns.T @ change)
-        return float(np.sqrt(np.mean(rest**2)))
+        return float(np.sqrt(np.mean(self.beyond(self._seen(effects) - self.healthy) ** 2)))
+
+    def beyond(self, change: Array) -> Array:
+        """What nuisances do not explain of a change of what is `told`, (N,)."""
+        return np.asarray(change - self.columns @ within_limits(self._root, self.columns.T @ change))
 
     def _seen(self, effects: Sequence[Effect]) -> Array:
-        """All noisy channels but the joints' own, averaged over blocks and over their noise, (N,)."""
-        plant = with_effects(self.boom, (*effects_of(self.machine), *effects))
+        return self.told(with_effects(self.boom, (*effects_of(self.machine), *effects)), effects)
+
+    def told(self, plant: Plant, effects: Sequence[Effect]) -> Array:
+        """All noisy channels of a plant but the joints' own, averaged over blocks and over their noise, (N,).
+
+        Args:
+            effects: of the plant, as far as they move joints or what is said of them.
+        """
         levels, rates, parts = noise_levels(self.machine), sample_rates(self.machine), []
         for experiment in self.experiments:
             time = step_times(plant, experiment.duration)

@@ -40,9 +40,13 @@ def nuisances(
     return (*found, make_effect("structural_damping", {"factor": 1 + damping * rng.uniform(-1, 1)}))
 
 
-def true_plant(machine: Machine, effects: Sequence[Effect]) -> Plant:
-    """A machine with finer hinges, another integrator and shorter steps than any that the diagnosis simulates."""
+def true_plant(machine: Machine, effects: Sequence[Effect], step: float = STEP) -> Plant:
+    """A machine with finer hinges, another integrator and shorter steps than any that the diagnosis simulates.
+
+    Args:
+        step: in steps of the diagnosis.
+    """
     boom = build(machine, HINGES)
     boom.spec.option.integrator = INTEGRATOR
-    boom.spec.option.timestep *= STEP
+    boom.spec.option.timestep *= step
     return with_effects(boom, (*effects_of(machine), *effects))

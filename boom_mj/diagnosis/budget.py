@@ -71,11 +71,11 @@ class Odds:
 def gap_budget(as_built: Array, best: Scored) -> Budget:
     """What the effects of an explanation take of a whitened residual as built, (N,)."""
     model, effects = best.model, best.fit.effects
-    subsets = _subsets(len(effects))
+    subsets = subsets_of(len(effects))
     squares = _mean_squares(model, _residuals(as_built, best, subsets))  # (draws + 1, subsets)
     at = {subset: k for k, subset in enumerate(subsets)}
     whole = squares[:, at[()]]
-    shares = [_share(_shapley(squares, at, k, len(effects)) / whole) for k in range(len(effects))]
+    shares = [_share(shapley(squares, at, k, len(effects)) / whole) for k in range(len(effects))]
     left = squares[:, at[tuple(range(len(effects)))]]
     return Budget(tuple(shares), _share((left - 1) / whole), _share(1 / whole))
 
@@ -159,7 +159,8 @@ def _mean_squares(model: Linearisation, residuals: Sequence[Array]) -> Array:
     return resampled_means(model.data.windows[rows], np.array([r[rows] ** 2 for r in residuals]))
 
 
-def _subsets(count: int) -> list[tuple[int, ...]]:
+def subsets_of(count: int) -> list[tuple[int, ...]]:
+    """Of so many effects: those that shares are taken from."""
     whole = tuple(range(count))
     if 2**count <= MOST_SUBSETS:
         return [subset for size in range(count + 1) for subset in combinations(whole, size)]
@@ -180,8 +181,14 @@ def _residuals(as_built: Array, best: Scored, subsets: Sequence[tuple[int, ...]]
     return [known[subset] for subset in subsets]
 
 
-def _shapley(squares: Array, at: Mapping[tuple[int, ...], int], effect: int, count: int) -> Array:
-    """What an effect takes off the mean square, in the mean over orders of adding, (draws + 1,)."""
+def shapley(squares: Array, at: Mapping[tuple[int, ...], int], effect: int, count: int) -> Array:
+    """What an effect takes off the mean square, in the mean over orders of adding, (draws + 1,).
+
+    Args:
+        squares: mean squares that subsets of the effects leave, (draws + 1, subsets).
+        at: column of every subset.
+        effect, count: its number among so many.
+    """
     total, weights = np.zeros(len(squares)), 0.0
     pairs = [(s, tuple(sorted((*s, effect)))) for s in at if effect not in s]
     pairs = [(subset, joined) for subset, joined in pairs if joined in at]

@@ -1,0 +1,186 @@
+"""Booms as built with none to five causes: which are named, how large, and what each takes of the gap; prints tables.
+
+    python scripts/budgets.py --commit ID [--machines 60] [--jobs 2] [--keep FILE.jsonl]
+
+As many machines have no cause as have two, three, four and five. Each is drawn as it was built and records the short
+suite twice, when it was well and later with its causes, and is diagnosed with `--healthy` and `--most 5`; where it has
+any, once more without the first of them in the library. True shares are the plant's: causes left out of it in all ways.
+The SHA-256 of the commit's id and "budgets" is the seed. What is done is kept line by line in FILE.jsonl, and a second
+call goes on.
+"""
+
+import argparse
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import cycle, islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from healthy_first import MACHINE, Logs, all_rows, changed, entropy_of, in_words, recorded
+
+from boom_mj.blind.detectability import Detectability
+from boom_mj.blind.figures import wilson
+from boom_mj.blind.generate import SHORT
+from boom_mj.blind.grading import errors_of
+from boom_mj.blind.plant import true_plant
+from boom_mj.blind.sampling import known_effects
+from boom_mj.diagnosis.answer import document
+from boom_mj.diagnosis.budget import shapley, subsets_of
+from boom_mj.diagnosis.diagnose import diagnose
+from boom_mj.diagnosis.healthy import as_built
+from boom_mj.effects import Effect, make_effect
+from boom_mj.systems.boom.load import checked_data
+from boom_mj.systems.boom.system import BoomSystem
+from boom_mj.systems.predictor import Predictor
+from boom_mj.systems.system import System
+
+COUNTS = 0, 2, 3, 4, 5  # causes
+STEP = 0.4  # of the diagnosis, of the plant that tells shares
+CLOSE = 0.05  # a share and the true one
+
+
+@dataclass(frozen=True)
+class Task:
+    """A machine: its number, ids of its causes, and the entropy of the set."""
+
+    number: int
+    ids: tuple[str, ...]
+    entropy: tuple[int, ...]
+
+    def __str__(self) -> str:
+        return f"machine {self.number}"
+
+
+def tasks(machines: int, entropy: tuple[int, ...]) -> list[Task]:
+    """Every effect as often as any other, none twice in a machine."""
+    rng, deck, found = np.random.default_rng(entropy), [], []
+    for number, count in enumerate(islice(cycle(COUNTS), machines)):
+        ids: list[str] = []
+        while len(ids) < count:
+            deck = deck or list(map(str, rng.permutation(known_effects())))
+            fresh = next((name for name in deck if name not in ids), None)
+            if fresh is None:
+                deck += list(map(str, rng.permutation(known_effects())))
+                continue
+            deck.remove(fresh)
+            ids.append(fresh)
+        found.append(Task(number, tuple(ids), entropy))
+    return found
+
+
+def tried(task: Task) -> dict[str, Any]:
+    """Truth and answers of one machine."""
+    healthy, later, truth, own = recorded(task.ids, np.random.default_rng((*task.entropy, task.number)))
+    effects = [make_effect(e["id"], {**e["location"], **e["parameters"]}) for e in truth["effects"]]
+    began = time.process_time()
+    built = as_built(BoomSystem(MACHINE), healthy)
+    row = {"number": task.number, "truth": truth, "answer": answered(built, later)}
+    row["cpu_s"] = time.process_time() - began
+    if effects:
+        row["shares"] = true_shares(own, effects)
+        row["withheld"] = answered(built, later, (effects[0].id,))
+    return row
+
+
+def answered(built: System, later: Logs, without: Sequence[str] = ()) -> dict[str, Any]:
+    """The diagnosis of later logs, in short."""
+    checked = checked_data(BoomSystem(MACHINE), later, len(SHORT.train), built=built)
+    found = diagnose(Predictor(built, checked.data, threads=1), without, most=max(COUNTS))
+    said = document(found, checked.names, checked.findings)
+    return {name: said[name] for name in ("verdict", "effects", "suspect", "gap", "budget", "remainder")}
+
+
+def true_shares(own: Sequence[Effect], effects: Sequence[Effect]) -> list[float]:
+    """What each cause takes off the mean square of what is held out, beyond nuisances, of the plant (`gap_budget`)."""
+    eye = Detectability(MACHINE, SHORT.holdout)
+
+    def told(subset: Sequence[int]) -> np.ndarray:
+        there = changed(own, [effects[k] for k in subset])
+        return eye.told(true_plant(MACHINE, there, STEP), there)
+
+    subsets = subsets_of(len(effects))
+    whole = told(subsets[-1])
+    squares = np.array([[1 + np.mean(eye.beyond(told(subset) - whole) ** 2) for subset in subsets]])
+    at = {subset: k for k, subset in enumerate(subsets)}
+    return [float(shapley(squares, at, k, len(effects))[0] / squares[0, 0]) for k in range(len(effects))]
+
+
+def same(one: dict[str, Any], other: dict[str, Any]) -> bool:
+    """Effect and place."""
+    return bool(one["id"] == other["id"] and one["location"] == other["location"])
+
+
+def hits(row: dict[str, Any]) -> list[tuple[int, dict[str, Any]]]:
+    """Numbers of the true causes that are named at their places, and how."""
+    true = enumerate(row["truth"]["effects"])
+    return [(k, named) for k, cause in true for named in row["answer"]["effects"] if same(cause, named)]
+
+
+def share_errors(row: dict[str, Any]) -> list[float]:
+    """Of the causes that are named."""
+    said = row["answer"]["budget"]
+    return [one["share"] - row["shares"][k] for k, named in hits(row) for one in said if same(one, named)]
+
+
+def size_errors(row: dict[str, Any]) -> list[float]:
+    """In units of the intervals, of the causes that are named."""
+    return [
+        error
+        for k, named in hits(row)
+        for error in errors_of(row["truth"]["effects"][k]["parameters"], named["parameters"])
+    ]
+
+
+def counted(row: dict[str, Any]) -> dict[str, list[bool]]:
+    """Of what is counted, how each went."""
+    true, named, found = len(row["truth"]["effects"]), len(row["answer"]["effects"]), len(hits(row))
+    called = [row["withheld"]["verdict"] in ("partial", "unexplained")] if true else []
+    return {
+        "causes that are named": [k < found for k in range(true)],
+        "names that are causes": [k < found for k in range(named)],
+        "sizes in their intervals": [abs(error) <= 1 for error in size_errors(row)],
+        "shares within 5 points": [abs(error) <= CLOSE for error in share_errors(row)] if true else [],
+        "remainder called, a cause withheld": called,
+        "all causes and no other": [found == true == named],
+    }
+
+
+def table(rows: Sequence[dict[str, Any]]) -> str:
+    """By number of causes, and machine by machine, as Markdown."""
+    by = {count: [counted(r) for r in rows if len(r["truth"]["effects"]) == count] for count in COUNTS}
+    lines = ["| causes | " + " | ".join(map(str, COUNTS)) + " | all (95 %) |", "|---" * (len(COUNTS) + 2) + "|"]
+    for name in next(iter(filter(None, by.values())))[0]:
+        each = [[one for row in by[count] for one in row[name]] for count in COUNTS]
+        whole = [one for some in each for one in some]
+        low, high = wilson(sum(whole), len(whole))
+        cells = [f"{sum(some)} of {len(some)}" if some else "-" for some in each]
+        lines.append(f"| {name} | {' | '.join(cells)} | {sum(whole)} of {len(whole)} ({low:.0%} to {high:.0%}) |")
+    cpu = [[r["cpu_s"] for r in rows if len(r["truth"]["effects"]) == count] for count in COUNTS]
+    lines.append(f"| CPU s, median | {' | '.join(f'{np.median(c):.0f}' if c else '-' for c in cpu)} | |")
+    lines += ["", "| machine | truth | verdict | answer | leaves | without the first |", "|---" * 6 + "|"]
+    for row in sorted(rows, key=lambda r: r["number"]):
+        said = row["answer"]
+        true, named = (", ".join(map(in_words, e)) or "none" for e in (row["truth"]["effects"], said["effects"]))
+        left = f"{said['gap']['holdout']['before']:.2f} to {said['gap']['holdout']['after']:.3f}"
+        without = row.get("withheld", {}).get("verdict", "-")
+        lines.append(f"| {row['number']} | {true} | {said['verdict']} | {named} | {left} | {without} |")
+    return "\n".join(lines)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--commit", required=True, help="that is tried")
+    parser.add_argument("--machines", type=int, default=60)
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--keep", type=Path, default=Path("budgets.jsonl"))
+    options = parser.parse_args()
+    drawn = tasks(options.machines, entropy_of(options.commit, "budgets"))
+    print(table(all_rows(tried, drawn, options.keep, options.jobs)))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
