@@ -1,5 +1,6 @@
 """Scoring a fit on entries that it has not seen, and how sure of it one can be."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -113,7 +114,7 @@ def profiled(found: Scored, before: float) -> Scored:
     """
     model, candidate, at = found.model, found.fit.candidate, found.fit.scaled
     train, deviation = model.data.train, found.deviation.copy()
-    enough = found.train + model.criteria.error_share * (before - 1)
+    enough = _as_good(found, before)
     for k, (owner, *_) in enumerate(candidate.parameters):
         if candidate.effects[owner].grid_start:
             moves = at[k] * np.r_[SCAN, -SCAN]
@@ -121,3 +122,15 @@ def profiled(found: Scored, before: float) -> Scored:
             as_good = [gap(model.clean(model.residual(one)), train) < enough for one in seen]
             deviation[k] = max(deviation[k], np.max(np.abs(moves), where=as_good, initial=0.0) / Z95)
     return replace(found, deviation=deviation)
+
+
+def alternatives(ends: Sequence[Scored], before: float) -> Scored:
+    """Of several ends of a fit the one that leaves least in training, as unsure as those that are as good are apart."""
+    best = min(ends, key=lambda one: one.train)
+    apart = [np.abs(one.fit.scaled - best.fit.scaled) / Z95 for one in ends if one.train < _as_good(best, before)]
+    return replace(best, deviation=np.max([best.deviation, *apart], axis=0))
+
+
+def _as_good(best: Scored, before: float) -> float:
+    """What a size leaves in training that is as good as the best: more by the share that the model itself may."""
+    return best.train + best.model.criteria.error_share * (before - 1)

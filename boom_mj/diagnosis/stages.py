@@ -1,6 +1,6 @@
 """Search stages: single causes, then combinations, fitted roughly; the leaders are refined about what they make."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -10,7 +10,7 @@ from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.decision import Gaps, choose, nested, solved, sure, useful
 from boom_mj.diagnosis.fitting import fit, grid_starts, refine_jointly
 from boom_mj.diagnosis.linearisation import Linearisation
-from boom_mj.diagnosis.scoring import Scored, profiled, score
+from boom_mj.diagnosis.scoring import Scored, alternatives, profiled, score
 from boom_mj.diagnosis.screening import Screened, Screening, spectral_lines
 from boom_mj.effects import Effect
 from boom_mj.estimation.least_squares import OPTIONS
@@ -48,7 +48,7 @@ def combined(
             leader = _shown(scored, as_built, size - 1)
             if leader:
                 scored = _revealed(leader, scored, screening, clock)
-    return _simplified(scored, as_built, clock)
+    return _simplified(begun_anew(scored, as_built, clock), as_built, clock)
 
 
 def shortlist(model: Linearisation, screened: Sequence[Screened]) -> list[Screened]:
@@ -196,6 +196,42 @@ def _shared(trunk: tuple[Effect, ...], scored: Sequence[Scored]) -> list[tuple[C
     alone = [j.fit.effects[0] for j in scored if len(j.fit.effects) == 1]
     free = [effect for effect in alone if apart(type(effect), effect.site, trunk)]
     return [(Candidate((*trunk, effect)), 0.0) for effect in free[: scored[0].model.budget.singles_beside]]
+
+
+def begun_anew(scored: list[Scored], as_built: Gaps, clock: Clock) -> list[Scored]:
+    """With a leader that leaves a gap, fitted from other sizes of what does not grow with them, about that machine.
+
+    What slips or not changes how all else swings: about the wrong machine even the true size leaves more.
+    """
+    leader = scored[0]
+    if solved(as_built, leader) or not leader.model.facts.oscillatory:
+        return scored
+    if not leader.train < near(leader.model, as_built[0]):
+        return scored
+    ends = [leader]
+    for start in _beginnings(leader.fit.effects):
+        if clock.over(f"other sizes of {leader.label}"):
+            break
+        clock.tell(f"{leader.label} begun anew")
+        found = _about_its_start(leader.model, Candidate(start))
+        ends.append(_refine(found, as_built, clock) if found.train < ends[0].train else found)
+    return best_of_each([*scored, alternatives(ends, as_built[0])])
+
+
+def _beginnings(effects: tuple[Effect, ...]) -> Iterator[tuple[Effect, ...]]:
+    """With one of them at a point of its screening that no weight scales, each such point a start of its own."""
+    for k, effect in enumerate(effects):
+        kind, site = type(effect), effect.site
+        for point in (group[0] for group in kind.screening(site) if len(group) == 1):
+            if kind.combine(site, [point], np.array([2.0])) == point:
+                yield *effects[:k], kind(site, **point), *effects[k + 1 :]
+
+
+def _about_its_start(model: Linearisation, candidate: Candidate) -> Scored:
+    """Fitted about the machine that it starts from."""
+    estimate = model.posterior.estimate(model.residual(*model.predict([candidate.effects])))
+    about = model.relinearised(candidate.effects, estimate)
+    return score(about, fit(about, candidate))
 
 
 def _simplified(scored: list[Scored], as_built: Gaps, clock: Clock) -> list[Scored]:

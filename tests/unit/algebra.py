@@ -121,6 +121,24 @@ class Gust(Term):
         return self
 
 
+class Tone(Term):
+    """A tone of a pitch: a fit stays near the pitch where it begins."""
+
+    id = "tone"
+    table = {"size": Parameter("Hz", 0.0, 0.0, 5.0, 0.5)}
+
+    def adds(self, time: Array, angle: Array) -> Array:
+        return 0.02 * np.sin(2 * np.pi * self.values["size"] * time)
+
+    @classmethod
+    def screening(cls, site: Site, lines_hz: Sequence[float] = ()) -> list[list[dict[str, float]]]:
+        return [[{"size": 0.35}], [{"size": 0.8}], [{"size": 1.5}]]
+
+    @classmethod
+    def combine(cls, site: Site, points: Sequence[Mapping[str, float]], weights: Array) -> dict[str, float]:
+        return dict(points[0])
+
+
 LIBRARY: Mapping[str, type[Effect]] = {
     kind.id: kind for kind in (Offset, Square, Cube, Ramp, Hum, Likeness, Late, Broken, Gust)
 }

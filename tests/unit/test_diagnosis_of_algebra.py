@@ -20,6 +20,7 @@ from algebra import (
     Ramp,
     Square,
     Term,
+    Tone,
     lull,
     model,
     predictor,
@@ -37,10 +38,13 @@ from boom_mj.diagnosis.candidate import Candidate, everywhere
 from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.criteria import BOOM
 from boom_mj.diagnosis.fitting import fit, refine_jointly
+from boom_mj.diagnosis.scoring import score
 from boom_mj.diagnosis.screening import Screening
+from boom_mj.diagnosis.stages import begun_anew
 from boom_mj.diagnosis.steps import channel_steps
 from boom_mj.diagnosis.watch import watch
 from boom_mj.effects import Effect
+from boom_mj.estimation.bootstrap import gap
 from boom_mj.estimation.least_squares import OPTIONS
 
 SQUARE, HUM, RAMP, LATE = term(Square, 1, 0.05), term(Hum, 2, 0.05), term(Ramp, 2, -0.1), term(Late, 1, 0.3)
@@ -300,6 +304,22 @@ def test_only_what_has_an_input_that_no_log_tells_is_asked_for_it(asked: list[tu
     gust, about = term(Gust, 1, 0.05), model((SQUARE,))
     Screening(about, everywhere(about.system), (), (gust,)).rank(about.residual(*about.predict([(gust,)])))
     assert [[effect.cause for effect in effects] for effects in asked] == [[gust.cause, term(Gust, 2, 0.05).cause]]
+
+
+@mark.parametrize("oscillatory", [True, False])
+def test_a_fit_that_stays_at_a_wrong_size_begins_anew(oscillatory: bool) -> None:
+    square, true = term(Square, 1, 0.3), term(Tone, 2, 0.801)
+    healthy = model((square, true), oscillatory=oscillatory)
+    data, raw = healthy.data, healthy.clean(healthy.residual(healthy.base))
+    as_built = gap(raw, data.train), gap(raw, data.held_out)
+    stuck = score(healthy, fit(healthy, Candidate((square, term(Tone, 2, 0.35)))))
+    assert stuck.train > 1.3
+    best = begun_anew([stuck], as_built, Clock())[0]
+    if oscillatory:
+        assert best.gaps == approx((1, 1), abs=0.05)
+        assert best.fit.effects[1].values["size"] == approx(0.801, abs=1e-4)
+    else:
+        assert best is stuck
 
 
 @mark.usefixtures("library")
