@@ -215,7 +215,7 @@ def begun_anew(scored: list[Scored], as_built: Gaps, clock: Clock) -> list[Score
         clock.tell(f"{leader.label} begun anew")
         found = _about_its_start(leader.model, Candidate(start))
         ends.append(_refine(found, as_built, clock) if found.train < ends[0].train else found)
-    return best_of_each([*scored, alternatives(ends, as_built[0])])
+    return best_of_each([alternatives(ends, as_built[0]), *scored])
 
 
 def _beginnings(effects: tuple[Effect, ...]) -> Iterator[tuple[Effect, ...]]:

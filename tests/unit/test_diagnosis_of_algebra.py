@@ -1,6 +1,7 @@
 """The whole search, on a machine whose answers are known by algebra."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from algebra import (
@@ -38,13 +39,14 @@ from boom_mj.diagnosis.candidate import Candidate, everywhere
 from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.criteria import BOOM
 from boom_mj.diagnosis.fitting import fit, refine_jointly
-from boom_mj.diagnosis.scoring import score
+from boom_mj.diagnosis.scoring import alternatives, score
 from boom_mj.diagnosis.screening import Screening
 from boom_mj.diagnosis.stages import begun_anew
 from boom_mj.diagnosis.steps import channel_steps
 from boom_mj.diagnosis.watch import watch
 from boom_mj.effects import Effect
 from boom_mj.estimation.bootstrap import gap
+from boom_mj.estimation.intervals import Z95
 from boom_mj.estimation.least_squares import OPTIONS
 
 SQUARE, HUM, RAMP, LATE = term(Square, 1, 0.05), term(Hum, 2, 0.05), term(Ramp, 2, -0.1), term(Late, 1, 0.3)
@@ -320,6 +322,16 @@ def test_a_fit_that_stays_at_a_wrong_size_begins_anew(oscillatory: bool) -> None
         assert best.fit.effects[1].values["size"] == approx(0.801, abs=1e-4)
     else:
         assert best is stuck
+
+
+@mark.parametrize("worse, unsure", [(0.01, 3.0), (1.0, None)])
+def test_a_size_is_as_unsure_as_ends_that_are_as_good_are_apart(worse: float, unsure: float | None) -> None:
+    healthy = model((SQUARE,))
+    best = score(healthy, fit(healthy, Candidate((term(Square, 1, 0.01),))))
+    there = replace(best.fit, scaled=best.fit.scaled - 3.0)
+    found = alternatives([replace(best, fit=there, train=best.train + worse), best], before=5.0)
+    assert found.fit is best.fit
+    assert Z95 * found.deviation == approx(Z95 * best.deviation if unsure is None else [unsure])
 
 
 @mark.usefixtures("library")
