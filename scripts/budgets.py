@@ -14,7 +14,7 @@ import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import cycle, islice
+from itertools import count, cycle, islice
 from pathlib import Path
 from typing import Any
 
@@ -55,18 +55,13 @@ class Task:
 
 
 def tasks(machines: int, entropy: tuple[int, ...]) -> list[Task]:
-    """Every effect as often as any other, none twice in a machine."""
-    rng, deck, found = np.random.default_rng(entropy), [], []
-    for number, count in enumerate(islice(cycle(COUNTS), machines)):
-        ids: list[str] = []
-        while len(ids) < count:
-            deck = deck or list(map(str, rng.permutation(known_effects())))
-            fresh = next((name for name in deck if name not in ids), None)
-            if fresh is None:
-                deck += list(map(str, rng.permutation(known_effects())))
-                continue
-            deck.remove(fresh)
-            ids.append(fresh)
+    """Effects in one random order after another, none twice in a machine."""
+    rng, found = np.random.default_rng(entropy), []
+    deck = (str(name) for _ in count() for name in rng.permutation(known_effects()))
+    for number, wanted in enumerate(islice(cycle(COUNTS), machines)):
+        ids: dict[str, None] = {}
+        while len(ids) < wanted:
+            ids[next(deck)] = None
         found.append(Task(number, tuple(ids), entropy))
     return found
 
@@ -94,16 +89,22 @@ def answered(built: System, later: Logs, without: Sequence[str] = ()) -> dict[st
 
 
 def true_shares(own: Sequence[Effect], effects: Sequence[Effect]) -> list[float]:
-    """What each cause takes off the mean square of what is held out, beyond nuisances, of the plant (`gap_budget`)."""
-    eye = Detectability(MACHINE, SHORT.holdout)
+    """What each cause takes off the plant's held-out mean square, with the nuisances that training shows (`Budget`)."""
+    training, held_out = (Detectability(MACHINE, part) for part in (SHORT.train, SHORT.holdout))
 
-    def told(subset: Sequence[int]) -> np.ndarray:
+    def told(subset: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
         there = changed(own, [effects[k] for k in subset])
-        return eye.told(true_plant(MACHINE, there, STEP), there)
+        plant = true_plant(MACHINE, there, STEP)
+        return training.told(plant, there), held_out.told(plant, there)
 
     subsets = subsets_of(len(effects))
-    whole = told(subsets[-1])
-    squares = np.array([[1 + np.mean(eye.beyond(told(subset) - whole) ** 2) for subset in subsets]])
+    before, after = told(subsets[-1])
+
+    def square(subset: Sequence[int]) -> float:
+        seen, later = told(subset)
+        return 1 + float(np.mean((later - after - held_out.columns @ training.imitated(seen - before)) ** 2))
+
+    squares = np.array([[square(subset) for subset in subsets]])
     at = {subset: k for k, subset in enumerate(subsets)}
     return [float(shapley(squares, at, k, len(effects))[0] / squares[0, 0]) for k in range(len(effects))]
 
@@ -150,15 +151,15 @@ def counted(row: dict[str, Any]) -> dict[str, list[bool]]:
 
 def table(rows: Sequence[dict[str, Any]]) -> str:
     """By number of causes, and machine by machine, as Markdown."""
-    by = {count: [counted(r) for r in rows if len(r["truth"]["effects"]) == count] for count in COUNTS}
+    by = {number: [counted(r) for r in rows if len(r["truth"]["effects"]) == number] for number in COUNTS}
     lines = ["| causes | " + " | ".join(map(str, COUNTS)) + " | all (95 %) |", "|---" * (len(COUNTS) + 2) + "|"]
     for name in next(iter(filter(None, by.values())))[0]:
-        each = [[one for row in by[count] for one in row[name]] for count in COUNTS]
+        each = [[one for row in by[number] for one in row[name]] for number in COUNTS]
         whole = [one for some in each for one in some]
         low, high = wilson(sum(whole), len(whole))
         cells = [f"{sum(some)} of {len(some)}" if some else "-" for some in each]
         lines.append(f"| {name} | {' | '.join(cells)} | {sum(whole)} of {len(whole)} ({low:.0%} to {high:.0%}) |")
-    cpu = [[r["cpu_s"] for r in rows if len(r["truth"]["effects"]) == count] for count in COUNTS]
+    cpu = [[r["cpu_s"] for r in rows if len(r["truth"]["effects"]) == number] for number in COUNTS]
     lines.append(f"| CPU s, median | {' | '.join(f'{np.median(c):.0f}' if c else '-' for c in cpu)} | |")
     lines += ["", "| machine | truth | verdict | answer | leaves | without the first |", "|---" * 6 + "|"]
     for row in sorted(rows, key=lambda r: r["number"]):

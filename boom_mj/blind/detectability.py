@@ -50,11 +50,12 @@ class Detectability:
         Raises:
             EquilibriumError, SimulationError: the machine does not stand these effects.
         """
-        return float(np.sqrt(np.mean(self.beyond(self._seen(effects) - self.healthy) ** 2)))
+        change = self._seen(effects) - self.healthy
+        return float(np.sqrt(np.mean((change - self.columns @ self.imitated(change)) ** 2)))
 
-    def beyond(self, change: Array) -> Array:
-        """What nuisances do not explain of a change of what is `told`, (N,)."""
-        return np.asarray(change - self.columns @ within_limits(self._root, self.columns.T @ change))
+    def imitated(self, change: Array) -> Array:
+        """Nuisances that explain most of a change of what is `told`, in prior deviations, (m,)."""
+        return np.asarray(within_limits(self._root, self.columns.T @ change))
 
     def _seen(self, effects: Sequence[Effect]) -> Array:
         return self.told(with_effects(self.boom, (*effects_of(self.machine), *effects)), effects)

@@ -204,9 +204,8 @@ def begun_anew(scored: list[Scored], as_built: Gaps, clock: Clock) -> list[Score
     What slips or not changes how all else swings: about the wrong machine even the true size leaves more.
     """
     leader = scored[0]
-    if solved(as_built, leader) or not leader.model.facts.oscillatory:
-        return scored
-    if not leader.train < near(leader.model, as_built[0]):
+    most_gone = leader.train < near(leader.model, as_built[0])
+    if solved(as_built, leader) or not most_gone or not leader.model.facts.oscillatory:
         return scored
     ends = [leader]
     for start in _beginnings(leader.fit.effects):
@@ -214,7 +213,7 @@ def begun_anew(scored: list[Scored], as_built: Gaps, clock: Clock) -> list[Score
             break
         clock.tell(f"{leader.label} begun anew")
         found = _about_its_start(leader.model, Candidate(start))
-        ends.append(_refine(found, as_built, clock) if found.train < ends[0].train else found)
+        ends.append(_refine(found, as_built, clock) if found.train < leader.train else found)
     return best_of_each([alternatives(ends, as_built[0]), *scored])
 
 

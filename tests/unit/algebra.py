@@ -122,12 +122,14 @@ class Gust(Term):
 
 
 class Tone(Term):
-    """A tone of a pitch: a fit stays near the pitch where it begins."""
+    """A tone of a pitch: a fit stays near the pitch where it begins. The last that screening tries is too high."""
 
     id = "tone"
     table = {"size": Parameter("Hz", 0.0, 0.0, 5.0, 0.5)}
 
     def adds(self, time: Array, angle: Array) -> Array:
+        if self.values["size"] > 1.4:
+            raise SimulationError("it does not move")
         return 0.02 * np.sin(2 * np.pi * self.values["size"] * time)
 
     @classmethod

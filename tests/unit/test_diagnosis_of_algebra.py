@@ -316,7 +316,9 @@ def test_a_fit_that_stays_at_a_wrong_size_begins_anew(oscillatory: bool) -> None
     as_built = gap(raw, data.train), gap(raw, data.held_out)
     stuck = score(healthy, fit(healthy, Candidate((square, term(Tone, 2, 0.35)))))
     assert stuck.train > 1.3
-    best = begun_anew([stuck], as_built, Clock())[0]
+    lines = list[str]()
+    best = begun_anew([stuck], as_built, Clock(tell=lines.append))[0]
+    assert lines.count(f"{stuck.label} begun anew") == 3 * oscillatory  # the square grows with its size
     if oscillatory:
         assert best.gaps == approx((1, 1), abs=0.05)
         assert best.fit.effects[1].values["size"] == approx(0.801, abs=1e-4)
