@@ -1,4 +1,4 @@
-"""The joint refinement: all recordings, all scaled parameters at once, by scipy's trust-region least squares.
+"""The joint refinement: all recordings, all scaled parameters at once.
 
 Residuals are whitened: measured less predicted less what finer hinges would add, over noise and model error.
 Predictions are of the middle level; sensitivities are secants of the coarse one, and stay while the parameters do.
@@ -8,7 +8,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from boom_mj.calibration.evidence import COARSE, MIDDLE, predict
 from boom_mj.calibration.identify import covariance
@@ -16,6 +15,7 @@ from boom_mj.calibration.parameters import OFFSET, Parameterisation, Variant
 from boom_mj.estimation.bootstrap import gap
 from boom_mj.estimation.dataset import Dataset
 from boom_mj.estimation.intervals import robust_variance
+from boom_mj.estimation.least_squares import gauss_newton
 from boom_mj.estimation.noise import NoiseModel
 from boom_mj.systems.predictor import Predictor
 
@@ -89,70 +89,40 @@ def refine(
         tell: hears one line per prediction.
     """
     (finer, noise), data = error, predictor.data
-    secants = _Secants(predictor, free, noise, start, jacobian)
+    exact, there = sensitivities(predictor, free, start, noise) if jacobian is None else jacobian, start
 
     def residual(scaled: Array) -> Array:
         (prediction,) = predict(predictor, [free.at(scaled)], MIDDLE)
         white = noise.white(data.measured - prediction - finer)
         tell(f"gap {gap(white, data.used):.3f}")
-        secants.hear(scaled, white)
         return white
 
-    low, high = free.bounds
-    begin = np.clip(start, low + 1e-9, high - 1e-9)
-    found = least_squares(
-        residual,
-        begin,
-        lambda scaled: -secants.at(scaled),
-        (low, high),
-        x_scale="jac",
-        ftol=2 * enough / np.count_nonzero(data.used),
-        xtol=1e-7,
-        gtol=None,
-        max_nfev=EVALUATIONS,
-    )
-    jacobian = secants.exact
-    deviation, systematic = deviations(data, free, jacobian, found.fun, finer * noise.weight)
-    close = np.minimum(found.x - low, high - found.x) < 1e-3 * np.minimum(1.0, (high - low) / OFFSET)
+    def renewed(scaled: Array) -> Array | None:
+        nonlocal exact, there
+        if np.max(np.abs(scaled - there)) <= NEAR:
+            return None
+        exact, there = sensitivities(predictor, free, scaled, noise), scaled
+        return exact.copy()
+
+    (low, high), half = free.bounds, np.count_nonzero(data.used) / 2
+    found = gauss_newton(
+        residual, exact.copy(), start, (low, high), np.zeros(free.size),
+        lambda cost: enough * max(1.0, cost / half), renewed, EVALUATIONS,
+    )  # fmt: skip
+    deviation, systematic = deviations(data, free, exact, found.residual, finer * noise.weight)
+    deviation = np.hypot(deviation, found.rough)
+    close = np.minimum(found.at - low, high - found.at) < 1e-3 * np.minimum(1.0, (high - low) / OFFSET)
     return Refined(
         free=free,
-        scaled=found.x,
+        scaled=found.at,
         deviation=deviation,
         systematic=systematic,
-        residual=found.fun,
-        jacobian=jacobian,
+        residual=found.residual,
+        jacobian=exact,
         weight=noise.weight,
-        at_bound=tuple(name for name, there in zip(free.names, close) if there),
-        status=found.message,
+        at_bound=tuple(name for name, stops in zip(free.names, close) if stops),
+        status=found.reason,
     )
-
-
-class _Secants:
-    """Sensitivities that are taken anew where parameters have moved far, and follow by Broyden's update where not."""
-
-    def __init__(self, predictor: Predictor, free: Parameterisation, noise: NoiseModel, at: Array, known: Array | None):
-        self._predictor, self._space, self._noise = predictor, free, noise
-        self.exact = sensitivities(predictor, free, at, noise) if known is None else known
-        self._at, self._updated = at, self.exact
-        self._last: tuple[Array, Array] | None = None
-        self._heard: tuple[Array, Array] | None = None
-
-    def hear(self, scaled: Array, residual: Array) -> None:
-        """The residual at scaled parameters that were tried."""
-        self._heard = scaled.copy(), residual
-
-    def at(self, scaled: Array) -> Array:
-        """d prediction / d scaled parameter at scaled parameters whose residual was heard last, (N, p)."""
-        if np.max(np.abs(scaled - self._at)) > NEAR:
-            self.exact = self._updated = sensitivities(self._predictor, self._space, scaled, self._noise)
-            self._at = scaled.copy()
-        elif self._last is not None and self._heard is not None:
-            moved = scaled - self._last[0]
-            scaled = moved * np.sum(self.exact**2, axis=0)
-            miss = self._last[1] - self._heard[1] - self._updated @ moved
-            self._updated = self._updated + np.outer(miss, scaled / max(float(scaled @ moved), 1e-300))
-        self._last = self._heard
-        return self._updated
 
 
 def deviations(

@@ -4,14 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import cholesky, solve_triangular
-from scipy.optimize import lsq_linear, minimize_scalar
+from scipy.optimize import minimize_scalar
 
 from boom_mj.diagnosis.candidate import Candidate
 from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.effects import Effect
-from boom_mj.estimation.least_squares import OPTIONS
+from boom_mj.estimation.least_squares import OPTIONS, gauss_newton
 from boom_mj.estimation.linear import LIMIT
 
 Array = np.ndarray
@@ -28,6 +27,7 @@ class Fit:
         residual: whitened and cleaned of nuisances; entries held out are filled by `score`, (N,).
         jacobian: whitened d prediction / d parameter on the training entries, zero elsewhere, (N, p).
         cost: half the sum of squares over the training entries.
+        rough: how far off the fit might as well have ended, as the cost is rough, (p,).
     """
 
     candidate: Candidate
@@ -36,6 +36,7 @@ class Fit:
     residual: Array
     jacobian: Array
     cost: float
+    rough: Array | float = 0.0
 
 
 def fit(
@@ -133,6 +134,7 @@ def refine_jointly(model: Linearisation, candidate: Candidate) -> tuple[Linearis
 
     Where nuisances move along with a parameter, a fit that adds them linearly stays near where it begins. First
     derivatives of both are the coarse model's: those of different models would not tell how alike the two are.
+    Play makes the cost rough: where a step leads that should lower it and does not, the fit might as well have ended.
 
     Args:
         model: about the machine at which the candidate starts.
@@ -142,33 +144,28 @@ def refine_jointly(model: Linearisation, candidate: Candidate) -> tuple[Linearis
     """
     train, count = model.data.train, len(candidate.start)
     (low, high), reach = candidate.bounds(), np.full(len(model.nuisances), LIMIT)
-    prior = np.r_[np.full(count, OPTIONS.prior**-2), np.ones(len(model.nuisances))]
+    start = np.clip(candidate.start, low, high)
 
-    def simulated(at: Array) -> tuple[Linearisation, Array, float]:
+    def left(at: Array) -> Array:
         here = model.rebased(candidate.at(at[:count]), at[count:], training_only=True)
-        left = here.residual(here.base)[train] - here.posterior.trained @ at[count:]
-        return here, left, 0.5 * float(left @ left + at @ (prior * at))
+        return here.residual(here.base)[train] - here.posterior.trained @ at[count:]
 
-    at = np.r_[np.clip(candidate.start, low, high), model.posterior.estimate(model.residual(model.base))]
-    here, left, cost = simulated(at)
-    steps, points = candidate.steps(at[:count])
+    def enough(cost: float) -> float:
+        noise = np.count_nonzero(train) / 2
+        return OPTIONS.settled * max(1.0, cost / noise) + OPTIONS.patience * max(0.0, cost - noise)
+
+    steps, points = candidate.steps(start)
     moved = model.coarse.predict(points, training_only=True)  # of the machine whose nuisances the columns are
     jacobian = np.stack([model.noise.white(p - model.base) / step for p, step in zip(moved, steps)], axis=1)
-    columns, idle = np.hstack([jacobian[train], model.posterior.trained]), 0
-    for _ in range(OPTIONS.iterations):
-        root, slope = cholesky(columns.T @ columns + np.diag(prior)), columns.T @ left - prior * at
-        ends = np.r_[low, -reach] - at, np.r_[high, reach] - at
-        step = lsq_linear(root, solve_triangular(root, slope, trans="T"), ends).x
-        excess = max(0.0, cost - len(left) / 2)
-        least = OPTIONS.settled * max(1.0, 2 * cost / len(left)) + OPTIONS.patience * excess
-        if slope @ step - 0.5 * np.sum((root @ step) ** 2) < least or idle == OPTIONS.idle:
-            break
-        there, rest, price = simulated(at + step)
-        idle = idle + 1 if cost - price < least else 0
-        columns += np.outer(left - rest - columns @ step, step) / (step @ step)
-        if price < cost:
-            at, here, left, cost = at + step, there, rest, price
-    best = candidate.at(at[:count])
-    here = model.rebased(best, at[count:])
-    found = here.clean(here.residual(here.base))
-    return here, Fit(candidate, at[:count], best, found, np.where(train[:, None], jacobian, 0.0), cost)
+    end = gauss_newton(
+        left,
+        np.hstack([jacobian[train], model.posterior.trained]),
+        np.r_[start, model.posterior.estimate(model.residual(model.base))],
+        (np.r_[low, -reach], np.r_[high, reach]),
+        np.r_[np.full(count, OPTIONS.prior**-2), np.ones(len(reach))],
+        enough,
+    )
+    at, best = end.at[:count], candidate.at(end.at[:count])
+    here = model.rebased(best, end.at[count:])
+    found, seen = here.clean(here.residual(here.base)), np.where(train[:, None], jacobian, 0.0)
+    return here, Fit(candidate, at, best, found, seen, end.cost, end.rough[:count])

@@ -69,7 +69,8 @@ def deviations(model: Linearisation, found: Fit) -> Array:
     moment of every pass of a motion that repeats. The largest counts, and no less than H^-1, what is left when
     nuisances may be anything that their priors allow, those at a limit too: it is a valley that ends there, not a wall.
     To what residuals show comes, where `gain_z` decides, what they cannot: an error of the model that looks like the
-    parameter's own column and moved it instead of staying (`_hidden`).
+    parameter's own column and moved it instead of staying (`_hidden`). To both comes how far fits end apart where the
+    cost is rough.
     """
     data, train = model.data, model.data.train
     clean = model.posterior.project(found.jacobian, np.ones(len(model.nuisances), bool))[train]
@@ -80,7 +81,7 @@ def deviations(model: Linearisation, found: Fit) -> Array:
     if model.criteria.gain_z:
         alone = clusters[0] if model.facts.repeat_s is None else clusters[-1]
         variance = variance + _hidden(inverse, clean, found.residual[train], data.channel_of[train], alone)
-    return np.sqrt(variance)
+    return np.sqrt(variance + found.rough**2)
 
 
 def correlated(model: Linearisation, rows: Array) -> list[Array]:

@@ -280,6 +280,14 @@ def test_fits_end_where_least_squares_of_everything_do(true: Effect) -> None:
     assert there.effects == joint.effects
 
 
+def test_sizes_are_unsure_as_far_as_the_cost_is_rough() -> None:
+    about = model((SQUARE,))
+    smooth = fit(about, Candidate((term(Square, 1, 0.02),)))
+    assert score(about, replace(smooth, rough=np.array([0.3]))).deviation == approx(
+        np.hypot(score(about, smooth).deviation, 0.3)
+    )
+
+
 @fixture
 def asked(library: Library, monkeypatch: MonkeyPatch) -> list[tuple[Effect, ...]]:
     """Hypotheses whose inputs that no log tells were asked for."""
