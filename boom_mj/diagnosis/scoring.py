@@ -73,15 +73,21 @@ def deviations(model: Linearisation, found: Fit) -> Array:
     cost is rough.
     """
     data, train = model.data, model.data.train
-    clean = model.posterior.project(found.jacobian, np.ones(len(model.nuisances), bool))[train]
-    information = found.jacobian[train].T @ clean
-    inverse = np.linalg.inv((information + information.T) / 2 + np.eye(clean.shape[1]) / OPTIONS.prior**2)
+    clean, inverse = _information(model, found)
     clusters = correlated(model, train)
     variance = robust_variance(inverse, clean * found.residual[train][:, None], clusters)
     if model.criteria.gain_z:
         alone = clusters[0] if model.facts.repeat_s is None else clusters[-1]
         variance = variance + _hidden(inverse, clean, found.residual[train], data.channel_of[train], alone)
     return np.sqrt(variance + found.rough**2)
+
+
+def _information(model: Linearisation, found: Fit) -> tuple[Array, Array]:
+    """Sensitivities of training entries as they are felt while nuisances follow, (n, p), and H^-1, (p, p)."""
+    train = model.data.train
+    clean = model.posterior.project(found.jacobian, np.ones(len(model.nuisances), bool))[train]
+    information = found.jacobian[train].T @ clean
+    return clean, np.linalg.inv((information + information.T) / 2 + np.eye(clean.shape[1]) / OPTIONS.prior**2)
 
 
 def correlated(model: Linearisation, rows: Array) -> list[Array]:
@@ -108,20 +114,24 @@ def _hidden(inverse: Array, columns: Array, residual: Array, channel: Array, clu
 
 
 def profiled(found: Scored, before: float) -> Scored:
-    """With wider deviations of parameters whose cost has many minima: derivatives inform of one, model error decides.
+    """With wider deviations where a cost has many minima: derivatives inform of one, model error decides.
 
     A size that leaves no more than the best and the share of the gap that the model itself may (`error_share`) is as
-    good.
+    good. From there a step by the derivatives leads to where all sizes might have ended as well.
     """
     model, candidate, at = found.model, found.fit.candidate, found.fit.scaled
     train, deviation = model.data.train, found.deviation.copy()
-    enough = _as_good(found, before)
+    (clean, inverse), enough, ends = _information(model, found.fit), _as_good(found, before), list[Array]()
     for k, (owner, *_) in enumerate(candidate.parameters):
         if candidate.effects[owner].grid_start:
-            moves = at[k] * np.r_[SCAN, -SCAN]
-            seen = model.predict([candidate.at(at + move * np.eye(len(at))[k]) for move in moves], training_only=True)
-            as_good = [gap(model.clean(model.residual(one)), train) < enough for one in seen]
-            deviation[k] = max(deviation[k], np.max(np.abs(moves), where=as_good, initial=0.0) / Z95)
+            points = at + np.outer(at[k] * np.r_[SCAN, -SCAN], np.eye(len(at))[k])
+            seen = model.predict([candidate.at(point) for point in points], training_only=True)
+            for point, white in zip(points, map(model.residual, seen)):
+                if gap(model.clean(white), train) < enough:
+                    deviation[k] = max(deviation[k], abs(point[k] - at[k]) / Z95)
+                    ends.append(point - at + inverse @ (clean.T @ white[train] - point / OPTIONS.prior**2))
+    if ends:
+        deviation = np.hypot(deviation, np.sqrt(np.mean(np.square(ends), axis=0)))
     return replace(found, deviation=deviation)
 
 

@@ -1,6 +1,6 @@
 """Search stages: single causes, then combinations, fitted roughly; the leaders are refined about what they make."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -8,9 +8,10 @@ import numpy as np
 from boom_mj.diagnosis.candidate import Candidate, apart
 from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.decision import Gaps, choose, nested, solved, sure, useful
-from boom_mj.diagnosis.fitting import fit, grid_starts, refine_jointly
+from boom_mj.diagnosis.fitting import fit, grid_starts
 from boom_mj.diagnosis.linearisation import Linearisation
-from boom_mj.diagnosis.scoring import Scored, alternatives, profiled, score
+from boom_mj.diagnosis.refining import begun_anew, near, refine
+from boom_mj.diagnosis.scoring import Scored, score
 from boom_mj.diagnosis.screening import Screened, Screening, spectral_lines
 from boom_mj.effects import Effect
 from boom_mj.estimation.least_squares import OPTIONS
@@ -48,7 +49,8 @@ def combined(
             leader = _shown(scored, as_built, size - 1)
             if leader:
                 scored = _revealed(leader, scored, screening, clock)
-    return _simplified(begun_anew(scored, as_built, clock), as_built, clock)
+    anew = begun_anew(scored[0], as_built, clock)
+    return _simplified(scored if anew is scored[0] else best_of_each([anew, *scored]), as_built, clock)
 
 
 def shortlist(model: Linearisation, screened: Sequence[Screened]) -> list[Screened]:
@@ -198,41 +200,6 @@ def _shared(trunk: tuple[Effect, ...], scored: Sequence[Scored]) -> list[tuple[C
     return [(Candidate((*trunk, effect)), 0.0) for effect in free[: scored[0].model.budget.singles_beside]]
 
 
-def begun_anew(scored: list[Scored], as_built: Gaps, clock: Clock) -> list[Scored]:
-    """With a leader that leaves a gap, fitted from other sizes of what does not grow with them, about that machine.
-
-    What slips or not changes how all else swings: about the wrong machine even the true size leaves more.
-    """
-    leader = scored[0]
-    most_gone = leader.train < near(leader.model, as_built[0])
-    if solved(as_built, leader) or not most_gone or not leader.model.facts.oscillatory:
-        return scored
-    ends = [leader]
-    for start in _beginnings(leader.fit.effects):
-        if clock.over(f"other sizes of {leader.label}"):
-            break
-        clock.tell(f"{leader.label} begun anew")
-        found = _about_its_start(leader.model, Candidate(start))
-        ends.append(_refine(found, as_built, clock) if found.train < leader.train else found)
-    return best_of_each([alternatives(ends, as_built[0]), *scored])
-
-
-def _beginnings(effects: tuple[Effect, ...]) -> Iterator[tuple[Effect, ...]]:
-    """With one of them at a point of its screening that no weight scales, each such point a start of its own."""
-    for k, effect in enumerate(effects):
-        kind, site = type(effect), effect.site
-        for point in (group[0] for group in kind.screening(site) if len(group) == 1):
-            if kind.combine(site, [point], np.array([2.0])) == point:
-                yield *effects[:k], kind(site, **point), *effects[k + 1 :]
-
-
-def _about_its_start(model: Linearisation, candidate: Candidate) -> Scored:
-    """Fitted about the machine that it starts from."""
-    estimate = model.posterior.estimate(model.residual(*model.predict([candidate.effects])))
-    about = model.relinearised(candidate.effects, estimate)
-    return score(about, fit(about, candidate))
-
-
 def _simplified(scored: list[Scored], as_built: Gaps, clock: Clock) -> list[Scored]:
     """With what remains of the leader with one effect or some parameters less, as long as that is chosen."""
     leader, budget = scored[0], scored[0].model.budget
@@ -244,7 +211,7 @@ def _simplified(scored: list[Scored], as_built: Gaps, clock: Clock) -> list[Scor
         for part in sorted(parts, key=lambda j: len(j.fit.scaled)):
             before = known.get(part.fit.candidate.places, np.inf)
             if part.held_out < min(budget.close * leader.held_out, budget.helped * before):
-                part = _refine(part, as_built, clock)
+                part = refine(part, as_built, clock)
             if part.held_out < budget.helped * before:
                 scored = best_of_each([*scored, part])
                 if choose(scored, as_built) is part:
@@ -277,38 +244,10 @@ def _refined(scored: Sequence[Scored], as_built: Gaps, clock: Clock) -> list[Sco
         if one.held_out - ahead > budget.rival * (as_built[1] - 1) and solved(as_built, done[0]):
             done.append(one)
             continue
-        done.append(_refine(one, as_built, clock))
+        done.append(refine(one, as_built, clock))
         clock.tell(f"{one.label} refined: held-out gap {one.held_out:.2f} -> {done[-1].held_out:.2f}")
     return sorted([*done, *(j for j in scored if j not in close)], key=lambda j: j.held_out)
 
 
 def _sites(scored: Scored) -> list[tuple]:
     return [effect.site.key for effect in scored.fit.effects]
-
-
-def near(model: Linearisation, gap: float) -> float:
-    """Up to where most of a gap is gone."""
-    return max(model.criteria.near_noise_gap, 1 + model.budget.far * (gap - 1))
-
-
-def _refine(scored: Scored, as_built: Gaps, clock: Clock) -> Scored:
-    """Fit again from where the last fit has led, then with the nuisances and model error there, until it stays."""
-    budget, oscillatory = scored.model.budget, scored.model.facts.oscillatory
-    for number in range(1 + budget.rounds):
-        if clock.over(f"refinement {number + 1} of {scored.label}"):
-            break
-        model, effects = scored.model, scored.fit.effects
-        estimate = model.posterior.estimate(model.residual(*model.predict([effects])))
-        model = model.relinearised(effects, estimate) if number else model.rebased(effects, estimate)
-        if number and oscillatory:
-            again = score(*refine_jointly(model, Candidate(effects)))
-        else:
-            again = score(model, fit(model, Candidate(effects), OPTIONS.rough if oscillatory else OPTIONS.sharp))
-        if again.train > budget.worse * scored.train:
-            break
-        moved, helped = np.abs(again.fit.scaled - scored.fit.scaled), again.train < budget.helped * scored.train
-        scored, stays = again, number and np.all(moved < np.maximum(budget.still, again.deviation))
-        hopeless = oscillatory and not helped and again.train > near(model, as_built[0])
-        if hopeless or (stays and not (helped and max(again.gaps) > model.criteria.explained_gap)):
-            break
-    return profiled(scored, as_built[0])

@@ -39,9 +39,10 @@ from boom_mj.diagnosis.candidate import Candidate, everywhere
 from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.criteria import BOOM
 from boom_mj.diagnosis.fitting import fit, refine_jointly
-from boom_mj.diagnosis.scoring import alternatives, score
+from boom_mj.diagnosis.linearisation import Linearisation
+from boom_mj.diagnosis.refining import begun_anew, beyond
+from boom_mj.diagnosis.scoring import alternatives, profiled, score
 from boom_mj.diagnosis.screening import Screening
-from boom_mj.diagnosis.stages import begun_anew
 from boom_mj.diagnosis.steps import channel_steps
 from boom_mj.diagnosis.watch import watch
 from boom_mj.effects import Effect
@@ -288,6 +289,23 @@ def test_sizes_are_unsure_as_far_as_the_cost_is_rough() -> None:
     )
 
 
+@mark.parametrize("jolt", [0.0, 0.04])
+def test_what_play_shakes_makes_other_sizes_unsure(jolt: float, monkeypatch: MonkeyPatch) -> None:
+    monkeypatch.setattr(Square, "grid_start", (1.0,))
+    about, predict, turns = model((SQUARE, HUM)), Linearisation.predict, iter(range(99))
+    sharp = score(about, fit(about, Candidate((SQUARE, HUM)), OPTIONS.sharp))
+    shape = sharp.fit.jacobian[:, 1] / np.maximum(about.noise.weight, 1e-12)
+
+    def shaken(self: Linearisation, hypotheses: list, training_only: bool = False) -> list[np.ndarray]:
+        """Every other prediction with more hum, the others with less: by `jolt` of its scaled size."""
+        return [one + (-1) ** next(turns) * jolt * shape for one in predict(self, hypotheses, training_only)]
+
+    monkeypatch.setattr(Linearisation, "predict", shaken)
+    square, hum = profiled(sharp, before=20.0).deviation
+    assert square > 3 * sharp.deviation[0]
+    assert hum == approx(np.hypot(sharp.deviation[1], jolt), rel=0.02)
+
+
 @fixture
 def asked(library: Library, monkeypatch: MonkeyPatch) -> list[tuple[Effect, ...]]:
     """Hypotheses whose inputs that no log tells were asked for."""
@@ -325,13 +343,25 @@ def test_a_fit_that_stays_at_a_wrong_size_begins_anew(oscillatory: bool) -> None
     stuck = score(healthy, fit(healthy, Candidate((square, term(Tone, 2, 0.35)))))
     assert stuck.train > 1.3
     lines = list[str]()
-    best = begun_anew([stuck], as_built, Clock(tell=lines.append))[0]
+    best = begun_anew(stuck, as_built, Clock(tell=lines.append))
     assert lines.count(f"{stuck.label} begun anew") == 3 * oscillatory  # the square grows with its size
     if oscillatory:
         assert best.gaps == approx((1, 1), abs=0.05)
         assert best.fit.effects[1].values["size"] == approx(0.801, abs=1e-4)
     else:
         assert best is stuck
+
+
+def test_a_size_moves_on_to_where_the_same_leaves_less() -> None:
+    square, true = term(Square, 1, 0.3), term(Tone, 2, 0.801)
+    healthy = model((square, true), oscillatory=True)
+    stuck = score(healthy, fit(healthy, Candidate((square, term(Tone, 2, 0.35)))))
+    moved = beyond(stuck)
+    assert moved.train < stuck.train
+    assert moved.fit.effects[1].values["size"] == approx(0.801, abs=1e-3)
+    assert beyond(moved) is moved
+    alone = score(healthy, fit(healthy, Candidate((square,))))
+    assert beyond(alone) is alone  # it grows with its size: derivatives tell
 
 
 @mark.parametrize("worse, unsure", [(0.01, 3.0), (1.0, None)])

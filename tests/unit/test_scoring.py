@@ -13,16 +13,18 @@ from boom_mj.effects import make_effect
 
 
 def scored(model: Linearisation, kind: str, **values: float) -> Scored:
-    """A fit that is as sure as derivatives may be."""
+    """A fit that is as sure as derivatives may be: they are so large that no step leads anywhere."""
     candidate, left = Candidate((make_effect(kind, values),)), np.zeros(len(model.noise.weight))
-    fit = Fit(candidate, candidate.start, candidate.effects, left, left[:, None], 0.0)
+    steep = np.where(model.data.train, 1e9, 0.0)[:, None]
+    fit = Fit(candidate, candidate.start, candidate.effects, left, steep, 0.0)
     return Scored(fit, model, 1.0, 1.0, np.array([1e-6]))
 
 
 def test_sizes_that_the_models_own_error_allows_are_within_a_backlashs_interval(model: Linearisation) -> None:
     found = scored(model, "slew_backlash", half_gap=0.004)
     (reach,) = 1.96 * profiled(found, before=1e9).deviation
-    assert reach == pytest.approx(SCAN[-1] * found.fit.scaled[0], rel=1e-3)
+    scanned = found.fit.scaled[0] * SCAN
+    assert reach == pytest.approx(np.hypot(scanned[-1], 1.96 * np.sqrt(np.mean(scanned**2))), rel=1e-3)
     assert profiled(replace(found, train=0.0), before=1.0).deviation == found.deviation
 
 
