@@ -15,9 +15,9 @@ from boom_mj.estimation.bootstrap import gap
 from boom_mj.estimation.least_squares import OPTIONS
 
 
-def near(model: Linearisation, gap: float) -> float:
+def near(model: Linearisation, before: float) -> float:
     """Up to where most of a gap is gone."""
-    return max(model.criteria.near_noise_gap, 1 + model.budget.far * (gap - 1))
+    return max(model.criteria.near_noise_gap, 1 + model.budget.far * (before - 1))
 
 
 def refine(scored: Scored, as_built: Gaps, clock: Clock) -> Scored:
