@@ -7,7 +7,7 @@ import numpy as np
 from boom_mj.diagnosis.candidate import Candidate
 from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.decision import Gaps, solved
-from boom_mj.diagnosis.fitting import fit, refine_jointly
+from boom_mj.diagnosis.fitting import fit, grid_starts, refine_jointly
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.scoring import Scored, alternatives, profiled, score
 from boom_mj.effects import Effect, Values
@@ -74,7 +74,7 @@ def begun_anew(leader: Scored, as_built: Gaps, clock: Clock) -> Scored:
     if solved(as_built, leader) or not most_gone or not leader.model.facts.oscillatory:
         return leader
     ends = [leader]
-    for start in _beginnings(leader.fit.effects):
+    for start in _beginnings(leader):
         if clock.over(f"other sizes of {leader.label}"):
             break
         clock.tell(f"{leader.label} begun anew")
@@ -90,11 +90,17 @@ def _about_its_start(model: Linearisation, candidate: Candidate) -> Scored:
     return score(about, fit(about, candidate))
 
 
-def _beginnings(effects: tuple[Effect, ...]) -> Iterator[tuple[Effect, ...]]:
-    """With one of them at a point of its screening that no weight scales, each such point a start of its own."""
+def _beginnings(leader: Scored) -> Iterator[tuple[Effect, ...]]:
+    """With one effect at a point of its screening that no weight scales, each such point a start of its own.
+
+    Or with a size that has a grid where that costs least beside the others.
+    """
+    effects, candidate = leader.fit.effects, leader.fit.candidate
     for k, effect in enumerate(effects):
         for point in _unscaled(effect):
             yield *effects[:k], type(effect)(effect.site, **point), *effects[k + 1 :]
+    for scaled in grid_starts(leader.model.coarse, Candidate(effects)):
+        yield candidate.at(scaled)
 
 
 def _unscaled(effect: Effect) -> list[Values]:

@@ -335,7 +335,13 @@ def test_only_what_has_an_input_that_no_log_tells_is_asked_for_it(asked: list[tu
 
 
 @mark.parametrize("oscillatory", [True, False])
-def test_a_fit_that_stays_at_a_wrong_size_begins_anew(oscillatory: bool) -> None:
+@mark.parametrize("grid", [(), (1.0, 1.59, 1.6, 1.61, 2.4)], ids=["from screening", "from a grid"])
+def test_a_fit_that_stays_at_a_wrong_size_begins_anew(
+    grid: tuple[float, ...], oscillatory: bool, monkeypatch: MonkeyPatch
+) -> None:
+    if grid:
+        monkeypatch.setattr(Tone, "grid_start", grid)
+        monkeypatch.setattr(Tone, "screening", lambda site: [])
     square, true = term(Square, 1, 0.3), term(Tone, 2, 0.801)
     healthy = model((square, true), oscillatory=oscillatory)
     data, raw = healthy.data, healthy.clean(healthy.residual(healthy.base))
@@ -344,7 +350,9 @@ def test_a_fit_that_stays_at_a_wrong_size_begins_anew(oscillatory: bool) -> None
     assert stuck.train > 1.3
     lines = list[str]()
     best = begun_anew(stuck, as_built, Clock(tell=lines.append))
-    assert lines.count(f"{stuck.label} begun anew") == 3 * oscillatory  # the square grows with its size
+    assert (
+        lines.count(f"{stuck.label} begun anew") == (1 if grid else 3) * oscillatory
+    )  # the square grows with its size
     if oscillatory:
         assert best.gaps == approx((1, 1), abs=0.05)
         assert best.fit.effects[1].values["size"] == approx(0.801, abs=1e-4)
