@@ -104,18 +104,17 @@ def refine(
         exact, there = sensitivities(predictor, free, scaled, noise), scaled
         return exact.copy()
 
-    (low, high), half = free.bounds, np.count_nonzero(data.used) / 2
-    found = gauss_newton(
-        residual, exact.copy(), start, (low, high), np.zeros(free.size),
-        lambda cost: enough * max(1.0, cost / half), renewed, EVALUATIONS,
-    )  # fmt: skip
+    def least(cost: float) -> float:
+        return enough * max(1.0, 2 * cost / np.count_nonzero(data.used))
+
+    (low, high), prior = free.bounds, np.zeros(free.size)
+    found = gauss_newton(residual, exact.copy(), start, (low, high), prior, least, renewed, EVALUATIONS)
     deviation, systematic = deviations(data, free, exact, found.residual, finer * noise.weight)
-    deviation = np.hypot(deviation, found.rough)
     close = np.minimum(found.at - low, high - found.at) < 1e-3 * np.minimum(1.0, (high - low) / OFFSET)
     return Refined(
         free=free,
         scaled=found.at,
-        deviation=deviation,
+        deviation=np.hypot(deviation, found.rough),
         systematic=systematic,
         residual=found.residual,
         jacobian=exact,

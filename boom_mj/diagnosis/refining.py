@@ -51,12 +51,7 @@ def beyond(found: Scored) -> Scored:
     Beyond a threshold, where nothing slips, a size changes nothing more, and no derivative on this side tells of it.
     """
     model, effects, train = found.model, found.fit.effects, found.model.data.train
-    others = [
-        (*effects[:k], type(effect)(effect.site, **{**effect.values, name: value}), *effects[k + 1 :])
-        for k, effect in enumerate(effects)
-        for point in _unscaled(effect)
-        for name, value in point.items()
-    ]
+    others = [_with(effects, k, {name: size}) for k, point in _unscaled(effects) for name, size in point.items()]
     seen = model.predict(others, training_only=True) if others else []
     left = np.nan_to_num([gap(model.clean(model.residual(one)), train) for one in seen], nan=np.inf)
     if np.min(left, initial=np.inf) >= found.train:
@@ -95,16 +90,20 @@ def _beginnings(leader: Scored) -> Iterator[tuple[Effect, ...]]:
 
     Or with a size that has a grid where that costs least beside the others.
     """
-    effects, candidate = leader.fit.effects, leader.fit.candidate
-    for k, effect in enumerate(effects):
-        for point in _unscaled(effect):
-            yield *effects[:k], type(effect)(effect.site, **point), *effects[k + 1 :]
-    for scaled in grid_starts(leader.model.coarse, Candidate(effects)):
-        yield candidate.at(scaled)
+    for k, point in _unscaled(leader.fit.effects):
+        yield _with(leader.fit.effects, k, point)
+    candidate = Candidate(leader.fit.effects)
+    yield from map(candidate.at, grid_starts(leader.model.coarse, candidate))
 
 
-def _unscaled(effect: Effect) -> list[Values]:
-    """Points of its screening that no weight scales."""
-    kind, site = type(effect), effect.site
-    points = [group[0] for group in kind.screening(site) if len(group) == 1]
-    return [point for point in points if kind.combine(site, [point], np.array([2.0])) == point]
+def _unscaled(effects: tuple[Effect, ...]) -> list[tuple[int, Values]]:
+    """By number of the effect, points of its screening that no weight scales."""
+    groups = [(k, type(e), e.site, group) for k, e in enumerate(effects) for group in type(e).screening(e.site)]
+    alone = [(k, kind, site, group[0]) for k, kind, site, group in groups if len(group) == 1]
+    return [(k, point) for k, kind, site, point in alone if kind.combine(site, [point], np.array([2.0])) == point]
+
+
+def _with(effects: tuple[Effect, ...], number: int, values: Values) -> tuple[Effect, ...]:
+    """With other values of one of them."""
+    one = effects[number]
+    return *effects[:number], type(one)(one.site, **{**one.values, **values}), *effects[number + 1 :]
