@@ -4,7 +4,8 @@
 
 As many machines have no cause as have two, three, four and five. Each is drawn as it was built and records the short
 suite twice, when it was well and later with its causes, and is diagnosed with `--healthy` and `--most 5`; where it has
-any, once more without the first of them in the library. True shares are the plant's: causes left out of it in all ways.
+any, once more without the first of them in the library. True shares are the plant's, causes left out of it in all ways,
+in the metric of the answer: its noise, model error and nuisances.
 The SHA-256 of the commit's id and "budgets" is the seed. What is done is kept line by line in FILE.jsonl, and a second
 call goes on.
 """
@@ -19,9 +20,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from healthy_first import MACHINE, Logs, all_rows, changed, entropy_of, in_words, recorded
+from healthy_first import EXPERIMENTS, MACHINE, Logs, all_rows, changed, entropy_of, in_words, recorded
 
-from boom_mj.blind.detectability import Detectability
 from boom_mj.blind.figures import wilson
 from boom_mj.blind.generate import SHORT
 from boom_mj.blind.grading import errors_of
@@ -29,12 +29,15 @@ from boom_mj.blind.plant import true_plant
 from boom_mj.blind.sampling import known_effects
 from boom_mj.diagnosis.answer import document
 from boom_mj.diagnosis.budget import shapley, subsets_of
-from boom_mj.diagnosis.diagnose import diagnose
+from boom_mj.diagnosis.diagnose import Diagnosis, diagnose
 from boom_mj.diagnosis.healthy import as_built
+from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.effects import Effect, make_effect
+from boom_mj.sensors import record
+from boom_mj.simulation import run_experiment
 from boom_mj.systems.boom.load import checked_data
 from boom_mj.systems.boom.system import BoomSystem
-from boom_mj.systems.predictor import Predictor
+from boom_mj.systems.predictor import Predictor, dataset_of
 from boom_mj.systems.system import System
 
 COUNTS = 0, 2, 3, 4, 5  # causes
@@ -72,37 +75,42 @@ def tried(task: Task) -> dict[str, Any]:
     effects = [make_effect(e["id"], {**e["location"], **e["parameters"]}) for e in truth["effects"]]
     began = time.process_time()
     built = as_built(BoomSystem(MACHINE), healthy)
-    row = {"number": task.number, "truth": truth, "answer": answered(built, later)}
-    row["cpu_s"] = time.process_time() - began
+    found, answer = answered(built, later)
+    row = {"number": task.number, "truth": truth, "answer": answer, "cpu_s": time.process_time() - began}
     if effects:
-        row["shares"] = true_shares(own, effects)
-        row["withheld"] = answered(built, later, (effects[0].id,))
+        row["withheld"] = answered(built, later, (effects[0].id,))[1]
+    if effects and found.best:
+        row["shares"] = true_shares(own, effects, found.best.model)
     return row
 
 
-def answered(built: System, later: Logs, without: Sequence[str] = ()) -> dict[str, Any]:
-    """The diagnosis of later logs, in short."""
+def answered(built: System, later: Logs, without: Sequence[str] = ()) -> tuple[Diagnosis, dict[str, Any]]:
+    """The diagnosis of later logs, and the same in short."""
     checked = checked_data(BoomSystem(MACHINE), later, len(SHORT.train), built=built)
     found = diagnose(Predictor(built, checked.data, threads=1), without, most=max(COUNTS))
     said = document(found, checked.names, checked.findings)
-    return {name: said[name] for name in ("verdict", "effects", "suspect", "gap", "budget", "remainder")}
+    return found, {name: said[name] for name in ("verdict", "effects", "suspect", "gap", "budget", "remainder")}
 
 
-def true_shares(own: Sequence[Effect], effects: Sequence[Effect]) -> list[float]:
-    """What each cause takes off the plant's held-out mean square, with the nuisances that training shows (`Budget`)."""
-    training, held_out = (Detectability(MACHINE, part) for part in (SHORT.train, SHORT.holdout))
+def true_shares(own: Sequence[Effect], effects: Sequence[Effect], model: Linearisation) -> list[float]:
+    """What each cause takes off the held-out mean square when the plant is without it, as `Budget` says of the model.
 
-    def told(subset: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
-        there = changed(own, [effects[k] for k in subset])
-        plant = true_plant(MACHINE, there, STEP)
-        return training.told(plant, there), held_out.told(plant, there)
+    Args:
+        own: how the machine was built.
+        model: that whitens, and holds the nuisances.
+    """
+
+    def told(subset: Sequence[int]) -> np.ndarray:
+        plant = true_plant(MACHINE, changed(own, [effects[k] for k in subset]), STEP)
+        logs = [record(run_experiment(plant, e), e) for e in EXPERIMENTS]
+        return dataset_of(model.system, logs, len(SHORT.train)).measured
 
     subsets = subsets_of(len(effects))
-    before, after = told(subsets[-1])
+    whole = told(subsets[-1])
 
     def square(subset: Sequence[int]) -> float:
-        seen, later = told(subset)
-        return 1 + float(np.mean((later - after - held_out.columns @ training.imitated(seen - before)) ** 2))
+        left = model.clean(model.noise.white(whole - told(subset)))
+        return 1 + float(np.mean(left[model.data.held_out] ** 2))
 
     squares = np.array([[square(subset) for subset in subsets]])
     at = {subset: k for k, subset in enumerate(subsets)}
