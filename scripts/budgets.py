@@ -33,8 +33,8 @@ from boom_mj.diagnosis.diagnose import Diagnosis, diagnose
 from boom_mj.diagnosis.healthy import as_built
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.effects import Effect, make_effect
-from boom_mj.sensors import record
-from boom_mj.simulation import run_experiment
+from boom_mj.sensors import record, true_angles
+from boom_mj.simulation import Experiment, Plant, Trajectory, run, step_times
 from boom_mj.systems.boom.load import checked_data
 from boom_mj.systems.boom.system import BoomSystem
 from boom_mj.systems.predictor import Predictor, dataset_of
@@ -101,8 +101,9 @@ def true_shares(own: Sequence[Effect], effects: Sequence[Effect], model: Lineari
     """
 
     def told(subset: Sequence[int]) -> np.ndarray:
-        plant = true_plant(MACHINE, changed(own, [effects[k] for k in subset]), STEP)
-        logs = [record(run_experiment(plant, e), e) for e in EXPERIMENTS]
+        there = changed(own, [effects[k] for k in subset])
+        plant = true_plant(MACHINE, there, STEP)
+        logs = [record(moved(plant, there, e), e) for e in EXPERIMENTS]
         return dataset_of(model.system, logs, len(SHORT.train)).measured
 
     subsets = subsets_of(len(effects))
@@ -115,6 +116,12 @@ def true_shares(own: Sequence[Effect], effects: Sequence[Effect], model: Lineari
     squares = np.array([[square(subset) for subset in subsets]])
     at = {subset: k for k, subset in enumerate(subsets)}
     return [float(shapley(squares, at, k, len(effects))[0] / squares[0, 0]) for k in range(len(effects))]
+
+
+def moved(plant: Plant, effects: Sequence[Effect], plan: Experiment) -> Trajectory:
+    """A plant whose joints read what an experiment asks for."""
+    time = step_times(plant, plan.duration)
+    return run(plant, true_angles(effects, plan.joint_path(time)[0]), plan.tip_force(time))
 
 
 def same(one: dict[str, Any], other: dict[str, Any]) -> bool:
