@@ -2,7 +2,8 @@
 
 Shares are of the held-out mean square of the machine as built, v(nothing). With v(T) the mean square of the effects T
 alone at their sizes, nuisances estimated anew, a cause's share is its Shapley value of v(nothing) - v(T): the mean over
-all orders of adding, so that shares, remainder v(all) - 1 and floor 1 add up to the whole.
+all orders of adding, so that shares, remainder v(all) - 1 and floor 1 add up to the whole. All v(T) are whitened and
+cleaned of nuisances alike, as the explanation is: differences of another noise model would pass for shares.
 
 Windows are resampled as wholes. In every draw one of these is true: the machine as built needs no explanation, an
 explanation suffices and is the cheapest, or none suffices. How often each is true, with what is known of how often
@@ -11,7 +12,7 @@ name certain.
 """
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from math import factorial
@@ -24,6 +25,7 @@ from boom_mj.diagnosis.scoring import Scored
 from boom_mj.effects import Effect
 from boom_mj.estimation.bootstrap import log_squares, resampled_means
 from boom_mj.estimation.intervals import TAIL
+from boom_mj.systems.system import Hypothesis
 
 Array = np.ndarray
 MOST_SUBSETS = 32  # of effects that are simulated for shares; more effects are added in turn, each first and last once
@@ -68,16 +70,23 @@ class Odds:
     unwell: float = 0.0
 
 
-def gap_budget(as_built: Array, best: Scored) -> Budget:
-    """What the effects of an explanation take of a whitened residual as built, (N,)."""
-    model, effects = best.model, best.fit.effects
-    subsets = subsets_of(len(effects))
-    squares = _mean_squares(model, _residuals(as_built, best, subsets))  # (draws + 1, subsets)
-    at = {subset: k for k, subset in enumerate(subsets)}
-    whole = squares[:, at[()]]
-    shares = [_share(shapley(squares, at, k, len(effects)) / whole) for k in range(len(effects))]
-    left = squares[:, at[tuple(range(len(effects)))]]
-    return Budget(tuple(shares), _share((left - 1) / whole), _share(1 / whole))
+def gap_budget(best: Scored) -> Budget:
+    """What the effects of an explanation take of the gap as built."""
+    model, effects, seen = best.model, best.fit.effects, metric(best.model)
+    *others, whole = subsets_of(len(effects))
+    alone = [tuple(effects[k] for k in subset) for subset in others]
+    residuals = [seen(some).clean(seen(some).residual(said)) for some, said in zip(alone, model.predict(alone))]
+    squares = _mean_squares(model, [*residuals, best.fit.residual])  # (draws + 1, subsets)
+    at = {subset: k for k, subset in enumerate([*others, whole])}
+    before, after = squares[:, at[()]], squares[:, at[whole]]
+    shares = [_share(shapley(squares, at, k, len(effects)) / before) for k in range(len(effects))]
+    return Budget(tuple(shares), _share((after - 1) / before), _share(1 / before))
+
+
+def metric(model: Linearisation) -> Callable[[Hypothesis], Linearisation]:
+    """What counts as a difference beside some of a model's effects: without a wind there are no gusts."""
+    calm = model if model.latent is None else model.with_noise(model.noise.plain)
+    return lambda effects: model if any(effect.basis(0.0) for effect in effects) else calm
 
 
 def odds(
@@ -166,19 +175,6 @@ def subsets_of(count: int) -> list[tuple[int, ...]]:
         return [subset for size in range(count + 1) for subset in combinations(whole, size)]
     arcs = [tuple(sorted((k + j) % count for j in range(size))) for size in range(1, count) for k in whole]
     return [(), *arcs, whole]
-
-
-def _residuals(as_built: Array, best: Scored, subsets: Sequence[tuple[int, ...]]) -> list[Array]:
-    """Of the effects in every subset alone."""
-    model, effects = best.model, best.fit.effects
-    inner = [subset for subset in subsets if 0 < len(subset) < len(effects)]
-    said = model.predict([tuple(effects[k] for k in subset) for subset in inner]) if inner else []
-    known: Mapping[tuple[int, ...], Array] = {
-        (): as_built,
-        tuple(range(len(effects))): best.fit.residual,
-        **{subset: model.clean(model.residual(prediction)) for subset, prediction in zip(inner, said)},
-    }
-    return [known[subset] for subset in subsets]
 
 
 def shapley(squares: Array, at: Mapping[tuple[int, ...], int], effect: int, count: int) -> Array:

@@ -85,7 +85,7 @@ class Diagnosis:
     @cached_property
     def budget(self) -> Budget | None:
         """What the effects of the best explanation take of the held-out gap."""
-        return gap_budget(self.as_built, self.best) if self.best else None
+        return gap_budget(self.best) if self.best else None
 
     @cached_property
     def trained(self) -> Array:

@@ -1,6 +1,7 @@
 """The whole search, on a machine whose answers are known by algebra."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from algebra import (
@@ -32,6 +33,7 @@ from algebra import (
 from pytest import MonkeyPatch, approx, fixture, mark
 
 from boom_mj.diagnosis import Diagnosis, candidate, diagnose, linearisation
+from boom_mj.diagnosis.budget import gap_budget, metric
 from boom_mj.diagnosis.candidate import everywhere
 from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.criteria import BOOM
@@ -39,6 +41,7 @@ from boom_mj.diagnosis.screening import Screening
 from boom_mj.diagnosis.steps import channel_steps
 from boom_mj.diagnosis.watch import watch
 from boom_mj.effects import Effect
+from boom_mj.estimation.latent_input import NONE
 
 SQUARE, HUM, RAMP, LATE = term(Square, 1, 0.05), term(Hum, 2, 0.05), term(Ramp, 2, -0.1), term(Late, 1, 0.3)
 WEAK, WEAKER = term(Hum, 2, 0.003), term(Ramp, 2, -0.002)
@@ -129,6 +132,24 @@ def test_shares_of_the_gap_are_those_of_the_shapes() -> None:
     first, second = sorted(share.value for share in budget.shares)
     assert [first, second] == approx(sorted([square / whole, hum / whole]), rel=0.1)
     assert first + second + budget.remainder.value + budget.floor.value == approx(1.0)
+
+
+@mark.usefixtures("library")
+def test_shares_are_of_one_noise_model() -> None:
+    answer = found(SQUARE, HUM)
+    own = answer.best.model
+    loud = own.with_noise(replace(own.noise, weight=own.noise.weight / 2))
+    twice = replace(answer.best, model=loud, fit=replace(answer.best.fit, residual=answer.best.fit.residual / 2))
+    shares, said = ([share.value for share in budget.shares] for budget in (answer.budget, gap_budget(twice)))
+    assert said == approx(shares, rel=0.01)
+
+
+def test_what_no_log_tells_counts_beside_effects_that_have_none() -> None:
+    about = model((SQUARE,))
+    windy = about.with_noise(replace(about.noise, latent=NONE))
+    assert metric(windy)((term(Gust, 1, 0.05), SQUARE)) is windy
+    assert metric(windy)((SQUARE,)).latent is metric(windy)(()).latent is None
+    assert metric(about)((SQUARE,)) is about
 
 
 @mark.usefixtures("library")
