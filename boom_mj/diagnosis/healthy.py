@@ -32,8 +32,12 @@ def as_built(system: System, healthy: Sequence[Recording], clock: Clock | None =
     with threadpool_limits(1):
         if isinstance(system, Individuals):
             return _individual(predictor, system.individual(), clock)
-        found = diagnose(predictor, clock=clock)
-    return AsBuilt(system, found.best.fit.effects if found.best else ())
+        best = diagnose(predictor, clock=clock).best
+    if best is None:
+        return AsBuilt(system, ())
+    effects, parameters = best.fit.effects, best.fit.candidate.parameters
+    found = {(effects[k].cause, name): float(d) for (k, name, _), d in zip(parameters, best.deviation)}
+    return AsBuilt(system, effects, deviations=found)
 
 
 def _individual(predictor: Predictor, nuisances: tuple[Nuisance, ...], clock: Clock) -> AsBuilt:
@@ -49,7 +53,19 @@ def _individual(predictor: Predictor, nuisances: tuple[Nuisance, ...], clock: Cl
     estimate = model.posterior.estimate(model.residual(model.base))
     covariance = max(1.0, left) ** 2 * np.linalg.inv(model.posterior.basis.curvature)
     usual = predictor.system.nuisances()
-    return AsBuilt(predictor.system, of_size(nuisances, estimate), _unsure(nuisances, usual, covariance))
+    built, deviations = of_size(nuisances, estimate), _deviations(nuisances, covariance)
+    return AsBuilt(predictor.system, built, _unsure(nuisances, usual, covariance), deviations)
+
+
+def _deviations(nuisances: Sequence[Nuisance], covariance: Array) -> dict[tuple[tuple, str], float]:
+    """Standard deviations of parameters by cause and name, scaled, of a covariance (m, m) in prior deviations."""
+    slopes: dict[tuple[tuple, str], Array] = {}
+    for k, nuisance in enumerate(nuisances):
+        for effect in nuisance.hypothesis:
+            for name, value in effect.values.items():
+                slope = slopes.setdefault((effect.cause, name), np.zeros(len(nuisances)))
+                slope[k] = nuisance.deviation * effect.declared[name].coordinate(value)
+    return {key: float(np.sqrt(slope @ covariance @ slope)) for key, slope in slopes.items()}
 
 
 def _unsure(wide: Sequence[Nuisance], usual: Sequence[Nuisance], covariance: Array) -> tuple[Nuisance, ...]:

@@ -10,6 +10,7 @@ from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.estimation.bootstrap import gap
 from boom_mj.estimation.intervals import Z95, robust_variance
 from boom_mj.estimation.least_squares import OPTIONS
+from boom_mj.systems.system import Doubts, System
 
 Array = np.ndarray
 SCAN = 1e-3 * 2.0 ** np.arange(6)  # to either side, in terms of a size
@@ -70,7 +71,7 @@ def deviations(model: Linearisation, found: Fit) -> Array:
     nuisances may be anything that their priors allow, those at a limit too: it is a valley that ends there, not a wall.
     To what residuals show comes, where `gain_z` decides, what they cannot: an error of the model that looks like the
     parameter's own column and moved it instead of staying (`_hidden`). To both comes how far fits end apart where the
-    cost is rough.
+    cost is rough, and how unsure what the parameter changes is.
     """
     data, train = model.data, model.data.train
     clean, inverse = _information(model, found)
@@ -79,7 +80,14 @@ def deviations(model: Linearisation, found: Fit) -> Array:
     if model.criteria.gain_z:
         alone = clusters[0] if model.facts.repeat_s is None else clusters[-1]
         variance = variance + _hidden(inverse, clean, found.residual[train], data.channel_of[train], alone)
-    return np.sqrt(variance + found.rough**2)
+    return np.sqrt(variance + found.rough**2 + _doubts(model.system, found) ** 2)
+
+
+def _doubts(system: System, found: Fit) -> Array:
+    """Of every parameter, scaled, (p,)."""
+    if not isinstance(system, Doubts):
+        return np.zeros(len(found.scaled))
+    return np.array([system.doubt(found.effects[owner], name) for owner, name, _ in found.candidate.parameters])
 
 
 def _information(model: Linearisation, found: Fit) -> tuple[Array, Array]:

@@ -35,6 +35,11 @@ class Parameter:
         """Least and largest value."""
         return self.low, self.high
 
+    @property
+    def ratio(self) -> bool:
+        """Whether it multiplies what the machine has, as two such effects do one another; others add up, scaled."""
+        return self.neutral == 1.0
+
     def plausible(self, value: float) -> bool:
         """Whether a value lies within what is physically likely."""
         return self.likely is None or self.likely[0] <= value <= self.likely[1]

@@ -1,6 +1,7 @@
 """A system as it was built: the nominal one with effects that it had when it was well."""
 
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 
@@ -39,10 +40,17 @@ class AsBuilt:
         system: nominal.
         built: effects that it has.
         unsure: nuisances about these; those of the system if left out.
+        deviations: standard deviations of their parameters, by cause and name, scaled.
     """
 
-    def __init__(self, system: System, built: Hypothesis, unsure: tuple[Nuisance, ...] | None = None) -> None:
-        self.system, self.built = system, built
+    def __init__(
+        self,
+        system: System,
+        built: Hypothesis,
+        unsure: tuple[Nuisance, ...] | None = None,
+        deviations: Mapping[tuple[tuple, str], float] = MappingProxyType({}),
+    ) -> None:
+        self.system, self.built, self.deviations = system, built, deviations
         self._nuisances = system.nuisances() if unsure is None else unsure
         self._outputs = tuple(effect for effect in built if is_output(effect))
         self._simulated = tuple(effect for effect in built if not is_output(effect))
@@ -56,6 +64,14 @@ class AsBuilt:
 
     def nuisances(self) -> tuple[Nuisance, ...]:
         return self._nuisances
+
+    def doubt(self, effect: Effect, name: str) -> float:
+        """Of a change: where it is a ratio, as large a share of it as is unsure of what it multiplies."""
+        deviation = self.deviations.get((effect.cause, name), 0.0)
+        if not deviation or not effect.declared[name].ratio:
+            return deviation
+        own = next(one.values[name] for one in self.built if one.cause == effect.cause)
+        return deviation * effect.values[name] / own
 
     def timeline(self, log: Recording) -> Timeline:
         return self.system.timeline(log)

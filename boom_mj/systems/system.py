@@ -226,6 +226,14 @@ class Individuals(Protocol):
         """Its nuisances, with prior deviations as wide as machines are built apart."""
 
 
+@runtime_checkable
+class Doubts(Protocol):
+    """A system that recordings tell of, not surely."""
+
+    def doubt(self, effect: Effect, name: str) -> float:
+        """How unsure a change of a parameter is because what it changes is: standard deviation, scaled."""
+
+
 def separating_experiments(rivals: Sequence[Hypothesis]) -> str | None:
     """What the library says would tell rivals apart."""
     said = {e.separating_experiment for rival in rivals for e in rival if e.separating_experiment}

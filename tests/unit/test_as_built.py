@@ -5,9 +5,11 @@ from itertools import combinations_with_replacement
 import numpy as np
 import pytest
 
-from boom_mj.diagnosis.healthy import _unsure
-from boom_mj.effects import Effect
-from boom_mj.systems.boom.nuisances import individual, nuisances
+from boom_mj.diagnosis.healthy import _deviations, _unsure
+from boom_mj.effects import Effect, make_effect
+from boom_mj.systems.as_built import AsBuilt
+from boom_mj.systems.boom.nuisances import AS_BUILT as WIDER
+from boom_mj.systems.boom.nuisances import PLATES, STIFFNESS, VISCOUS, individual, nuisances
 from boom_mj.systems.system import Nuisance
 
 WIDE, USUAL = tuple(individual()), nuisances()
@@ -42,3 +44,24 @@ def test_derivatives_are_taken_by_steps_as_small_as_ever() -> None:
     for one in _unsure(WIDE, USUAL, covariance())[np.sum(~APART) :]:
         largest = max(abs(effect.values["factor"] - 1) for effect in one.hypothesis)
         assert 0.001 < largest < 0.007  # of 0.002 each, those of the same place add up
+
+
+def test_sizes_as_built_are_as_unsure_as_all_their_nuisances_make_them() -> None:
+    found = _deviations(WIDE, np.eye(len(WIDE)))
+    friction = make_effect("viscous_friction", {"joint": 3})
+    assert found[friction.cause, "factor"] == pytest.approx(VISCOUS / abs(friction.declared["factor"].typical))
+    softer = make_effect("link_stiffness", {"link": 4, "axis": "v"})
+    expected = WIDER["link_stiffness"] * np.hypot(STIFFNESS["v"], PLATES) / abs(softer.declared["factor"].typical)
+    assert found[softer.cause, "factor"] == pytest.approx(expected)
+
+
+def test_a_change_is_as_unsure_as_what_it_changes() -> None:
+    softer, loaded = (
+        make_effect("link_stiffness", {"link": 4, "axis": "v", "factor": 0.98}),
+        make_effect("tip_payload", {"mass": 20.0}),
+    )
+    deviations = {(softer.cause, "factor"): 0.1, (loaded.cause, "mass"): 0.2}
+    machine = AsBuilt(None, (softer, loaded), (), deviations)  # type: ignore[arg-type]
+    assert machine.doubt(type(softer)(softer.site, factor=0.49), "factor") == pytest.approx(0.05)
+    assert machine.doubt(type(loaded)(loaded.site, mass=80.0), "mass") == 0.2
+    assert machine.doubt(make_effect("viscous_friction", {"joint": 3, "factor": 3.0}), "factor") == 0.0

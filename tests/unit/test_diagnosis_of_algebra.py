@@ -37,11 +37,14 @@ from boom_mj.diagnosis.budget import gap_budget, metric
 from boom_mj.diagnosis.candidate import everywhere
 from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.criteria import BOOM
+from boom_mj.diagnosis.healthy import as_built
 from boom_mj.diagnosis.screening import Screening
 from boom_mj.diagnosis.steps import channel_steps
 from boom_mj.diagnosis.watch import watch
 from boom_mj.effects import Effect
 from boom_mj.estimation.latent_input import NONE
+from boom_mj.systems.as_built import AsBuilt
+from boom_mj.systems.predictor import Predictor, dataset_of
 
 SQUARE, HUM, RAMP, LATE = term(Square, 1, 0.05), term(Hum, 2, 0.05), term(Ramp, 2, -0.1), term(Late, 1, 0.3)
 WEAK, WEAKER = term(Hum, 2, 0.003), term(Ramp, 2, -0.002)
@@ -150,6 +153,22 @@ def test_what_no_log_tells_counts_beside_effects_that_have_none() -> None:
     assert metric(windy)((term(Gust, 1, 0.05), SQUARE)) is windy
     assert metric(windy)((SQUARE,)).latent is metric(windy)(()).latent is None
     assert metric(about)((SQUARE,)) is about
+
+
+@mark.usefixtures("library")
+def test_what_changed_is_as_unsure_as_what_it_changes() -> None:
+    healthy, later = (
+        [recorded((term(Square, 1, size),), motion, seed + k) for k, motion in enumerate((swing, sweep))]
+        for seed, size in ((1, 0.05), (5, 0.15))
+    )
+    built = as_built(Algebra(), healthy)
+    answer, sure = (
+        diagnose(Predictor(machine, dataset_of(machine, later, 1)))
+        for machine in (built, AsBuilt(built.system, built.built))
+    )
+    assert causes(answer) == {SQUARE.cause} and abs(off(answer, term(Square, 1, 0.1))) < 3.5
+    assert answer.best.deviation == approx(np.hypot(sure.best.deviation, built.deviations[SQUARE.cause, "size"]))
+    assert answer.best.deviation > 1.2 * sure.best.deviation
 
 
 @mark.usefixtures("library")
