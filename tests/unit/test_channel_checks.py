@@ -1,5 +1,7 @@
 """What checks of data compute of a channel, by numbers worked out by hand."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.stats import norm
@@ -7,7 +9,9 @@ from scipy.stats import norm
 from boom_mj.replay.quality.assessment import ChannelQuality, Quality, SignalQuality, quiet_noise
 from boom_mj.replay.quality.beside import Pair, by_case, concerned
 from boom_mj.replay.quality.channels import CHANCE, limits, own_noise, resolution, runs, shortest_run
+from boom_mj.replay.quality.edits import DRIVE
 from boom_mj.replay.quality.evidence import sensor_of, spans
+from boom_mj.replay.quality.kinds import clock
 from boom_mj.replay.quality.kinds.clock import _earlier, _slower, _without_leap
 from boom_mj.replay.quality.kinds.frozen import _delayed, _lag, _range
 from boom_mj.replay.quality.kinds.spiky import TOGETHER, _blows, _cubic, outliers
@@ -171,6 +175,37 @@ def test_clocks_are_turned_back() -> None:
     assert _slower(1.25, time) == pytest.approx([1.0, 1.8, 3.0, 3.8]) and _earlier(0.5, time) == pytest.approx(
         time - 0.5
     )
+
+
+def delayed(lag: float, level: float) -> SimpleNamespace:
+    """Ten channels that a model predicts, delayed, with noise of a level."""
+    time = np.arange(4000) / 100
+
+    def predicted(index: int, name: str, by: float = 0.0) -> np.ndarray:
+        return np.sin(2.0 * (time - by))[:, None] * np.ones(10)
+
+    noise = level * np.random.default_rng(1).standard_normal((4000, 10))
+    return SimpleNamespace(
+        recordings=[
+            {
+                "markers": SimpleNamespace(time=time, values=predicted(0, "", lag) + noise),
+                DRIVE: SimpleNamespace(time=time),
+            }
+        ],
+        measured=lambda index: ["markers"],
+        predicted=predicted,
+        noise=lambda index, name: np.full(10, level),
+    )
+
+
+@pytest.mark.parametrize("lag", [-0.3, -0.05, 0.2])
+def test_a_stream_precedes_its_model_by_a_lag(lag: float) -> None:
+    assert clock._lag(delayed(lag, 0.01), 0, "markers") == pytest.approx(lag, abs=0.005)
+
+
+@pytest.mark.parametrize(("lag", "level"), [(0.0, 0.01), (-0.3, 1e3)], ids=["in time", "nothing but noise"])
+def test_a_lag_that_fits_no_better_than_none_is_none(lag: float, level: float) -> None:
+    assert clock._lag(delayed(lag, level), 0, "markers") is None
 
 
 def test_commands_are_delayed_by_as_many_rows_as_fit_best() -> None:

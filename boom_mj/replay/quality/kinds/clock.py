@@ -105,6 +105,7 @@ LAGS = np.arange(-0.6, 0.601, 0.06)  # s
 BEHIND = 0.02  # s, by which a joint is behind its command; sound ones by less than 1 ms
 ALONE = 0.15  # s, by which sensors must precede where no command tells; effects make 0.08 of it
 SWING = np.radians(3.0)  # of a command, for a lag to be read off it
+SURE = 5.0  # standard deviations by which a lag must fit better than none: channels that are noise have one, too
 STREAMS = ("imu/", "markers")
 
 
@@ -162,18 +163,19 @@ def _behind(evidence: Evidence, index: int) -> float | None:
 
 
 def _lag(evidence: Evidence, index: int, stream: str) -> float | None:
-    """Delay of the model at which a stream fits best, about its means, s."""
-    log, cost = evidence.recordings[index], np.zeros(len(LAGS))
+    """Delay of the model at which a stream fits best, about its means, s; None where it surely fits no better."""
+    log, cost, count = evidence.recordings[index], np.zeros(len(LAGS)), 0
     joints = log[DRIVE].time
     for name in evidence.measured(index):
         if not name.startswith(stream) or evidence.predicted(index, name) is None:
             continue
         signal, noise = log[name], evidence.noise(index, name)
         inside = (signal.time > joints[0] - LAGS[0]) & (signal.time < joints[-1] - LAGS[-1])
+        count += int(inside.sum()) * len(noise)
         for k, lag in enumerate(LAGS):
             rest = (signal.values - evidence.predicted(index, name, float(lag)))[inside]
-            cost[k] += float(np.nansum(np.nanvar(rest, axis=0) / noise**2))
-    if not cost.any():
+            cost[k] += float(inside.sum() * np.nansum(np.nanvar(rest, axis=0) / noise**2))
+    if cost[len(LAGS) // 2] - cost.min() <= SURE**2 * max(1.0, cost.min() / max(count, 1)):
         return None
     k = int(np.clip(np.argmin(cost), 1, len(LAGS) - 2))
     a, b, c = cost[k - 1 : k + 2]
