@@ -94,6 +94,7 @@ def estimated(
     fit = Fit(SimpleNamespace(), found, (), residual, np.where(train[:, None], jacobian, 0.0), 0.0)
     about_it = {
         "facts": SimpleNamespace(repeat_s=None),
+        "system": None,
         "nuisances": range(len(about.some)),
         "criteria": criteria,
     }
