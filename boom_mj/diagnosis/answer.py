@@ -51,7 +51,7 @@ def document(
     causes = described(found) if best else []
     named = named_as_causes(found)
     budget = _budget(found) if any(named) else []
-    remainder = None if found.solved or found.verdict == "consistent" else _remainder(found)
+    remainder = None if found.solved or found.verdict == "consistent" else _remainder(found, bool(budget))
     answer = {
         "verdict": found.verdict,
         "sentence": sentence(found),
@@ -139,12 +139,16 @@ def _budget(found: Diagnosis) -> list[dict[str, Any]]:
     ]
 
 
-def _remainder(found: Diagnosis) -> dict[str, Any]:
-    """What is left above the floor, what it looks like, where it lies, and which recordings would teach more."""
-    whole = gap(found.as_built, found.model.data.held_out) ** 2
-    left = gap(found.residual, found.model.data.held_out) ** 2
+def _remainder(found: Diagnosis, beside: bool) -> dict[str, Any]:
+    """What is left above the floor, what it looks like, where it lies, and which recordings would teach more.
+
+    Args:
+        beside: whether its share is one of the budget's.
+    """
+    whole, left = (gap(residual, found.model.data.held_out) ** 2 for residual in (found.as_built, found.residual))
+    share = found.budget.remainder.value if beside and found.budget else (left - 1) / whole
     return {
-        "share": max(left - 1, 0.0) / whole,
+        "share": max(share, 0.0),
         "looks_like": looks_like(found.model, found.residual),
         "where": in_words(locate(found.model, found.residual)),
         "other_laws": [{"location": place, "holdout_gap": left} for place, left in other_laws(found)],

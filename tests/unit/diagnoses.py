@@ -93,6 +93,7 @@ def scored(model: Linearisation, effects: tuple, size: float) -> Scored:
 def diagnosis(case: str, training: int = 2) -> Diagnosis:
     model, verdict = model_of(training), case.split()[0]
     before = 1.0 if verdict == "consistent" else 8.0
+    model = replace(model, base=model.base - model.data.noise * residual(model, before))
     after = {"partial": 2.0, "unexplained": 6.0}.get(verdict, 1.05)
     pair = case.endswith("beside a suspect")
     found = (

@@ -125,9 +125,11 @@ def test_the_remainder_is_a_share_of_mean_squares(monkeypatch: pytest.MonkeyPatc
         monkeypatch.setattr(answer, name, lambda *given: None)
     data = SimpleNamespace(held_out=None, recordings=())
     model = SimpleNamespace(data=data)
-    found = SimpleNamespace(as_built=3.0, residual=2.0, not_trained={}, freed=(), model=model)
-    assert answer._remainder(found)["share"] == pytest.approx((4 - 1) / 9)
-    assert answer._remainder(SimpleNamespace(**{**vars(found), "residual": 0.9}))["share"] == 0.0
+    shares = SimpleNamespace(remainder=SimpleNamespace(value=0.2))
+    found = SimpleNamespace(as_built=3.0, residual=2.0, not_trained={}, freed=(), model=model, budget=shares)
+    assert answer._remainder(found, False)["share"] == pytest.approx((4 - 1) / 9)
+    assert answer._remainder(found, True)["share"] == 0.2
+    assert answer._remainder(SimpleNamespace(**{**vars(found), "residual": 0.9}), False)["share"] == 0.0
 
 
 def test_unlikely_sizes_cost(monkeypatch: pytest.MonkeyPatch) -> None:
