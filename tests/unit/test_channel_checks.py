@@ -198,7 +198,7 @@ def delayed(lag: float, level: float) -> SimpleNamespace:
     )
 
 
-@pytest.mark.parametrize("lag", [-0.3, -0.05, 0.2])
+@pytest.mark.parametrize("lag", [-0.3, -0.05, -0.025, 0.2])
 def test_a_stream_precedes_its_model_by_a_lag(lag: float) -> None:
     assert clock._lag(delayed(lag, 0.01), 0, "markers") == pytest.approx(lag, abs=0.005)
 

@@ -175,8 +175,10 @@ def _lag(evidence: Evidence, index: int, stream: str) -> float | None:
         for k, lag in enumerate(LAGS):
             rest = (signal.values - evidence.predicted(index, name, float(lag)))[inside]
             cost[k] += float(inside.sum() * np.nansum(np.nanvar(rest, axis=0) / noise**2))
-    if cost[len(LAGS) // 2] - cost.min() <= SURE**2 * max(1.0, cost.min() / max(count, 1)):
-        return None
     k = int(np.clip(np.argmin(cost), 1, len(LAGS) - 2))
     a, b, c = cost[k - 1 : k + 2]
-    return float(LAGS[k] + (LAGS[1] - LAGS[0]) * 0.5 * (a - c) / max(a - 2 * b + c, 1e-300))
+    bend = a - 2 * b + c
+    least = b - (a - c) ** 2 / (8 * bend) if bend > 0 else np.inf
+    if cost[len(LAGS) // 2] - least <= SURE**2 * max(1.0, b / max(count, 1)):
+        return None
+    return float(LAGS[k] + (LAGS[1] - LAGS[0]) * 0.5 * (a - c) / bend)
