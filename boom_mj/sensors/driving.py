@@ -8,6 +8,7 @@ from scipy.interpolate import make_interp_spline
 from boom_mj.effects import Effect
 from boom_mj.errors import LogError
 from boom_mj.recording import Recording
+from boom_mj.recording.names import JOINTS
 from boom_mj.sensors.measure import true_angles
 from boom_mj.simulation import smooth_angles
 
@@ -24,8 +25,10 @@ def check_drivable(log: Recording) -> None:
         raise LogError(f"log {log.name!r}: the joint angles cannot drive the model: {what}")
 
 
-def driving_angles(log: Recording, noise: float, at: Array, effects: Sequence[Effect] = ()) -> Array:
-    """Smooth joint angles of a log at new times, (m, 5), rad.
+def driving_angles(
+    log: Recording, noise: float, at: Array, effects: Sequence[Effect] = (), joints: Sequence[int] = range(len(JOINTS))
+) -> Array:
+    """Smooth joint angles of a log at new times, (m, len(joints)), rad.
 
     Where the log tells the commanded angles, only what the sensors read beyond them is smoothed: a drive that follows
     leaves a constant there, one that lags leaves its lag.
@@ -34,13 +37,14 @@ def driving_angles(log: Recording, noise: float, at: Array, effects: Sequence[Ef
         noise: standard deviation of the angle sensors, rad.
         at: times wanted, (m,), s; beyond the samples the ends are held.
         effects: whose errors of the sensors are taken out before, lest they be blunted with the noise.
+        joints: columns of the reading that are wanted.
     """
-    joints = log["joint/position"]
-    angles = true_angles(effects, joints.values)
+    reading, columns = log["joint/position"], [*joints]
+    angles = true_angles(effects, reading.values)[:, columns]
     if "joint_command/position" not in log:
-        return smooth_angles(joints.time, angles, noise, at)
+        return smooth_angles(reading.time, angles, noise, at)
     command = log["joint_command/position"]
-    reference = make_interp_spline(command.time, command.values, k=5)
+    reference = make_interp_spline(command.time, command.values[:, columns], k=5)
     within = np.clip(at, command.time[0], command.time[-1])
-    beyond = angles - reference(np.clip(joints.time, command.time[0], command.time[-1]))
-    return reference(within) + smooth_angles(joints.time, beyond, noise, at)
+    beyond = angles - reference(np.clip(reading.time, command.time[0], command.time[-1]))
+    return reference(within) + smooth_angles(reading.time, beyond, noise, at)

@@ -121,7 +121,7 @@ def test_energy_stays_after_a_release_without_damping():
     model = ReferenceModel(BOOM.model_copy(update={"damping": still, "link": tuple(heavy)}))
     held, load = (STRETCHED, np.zeros(5), np.zeros(5)), np.array([0.0, 0.0, -981.0])
 
-    motion = integrate(model, lambda t: held, lambda t: load * (t <= 0), np.linspace(0, 2, 11), 1e-6)
+    motion = integrate(model, lambda t: held, lambda t: load * (t <= 0), np.linspace(0, 1, 6), 1e-6)
     assert np.allclose(motion.q[0], model.static_equilibrium(STRETCHED, load))
     energy = np.array(
         [v @ model.mass_matrix(q) @ v / 2 + potential(model, q) for q, v in zip(motion.q, motion.velocity)]

@@ -21,7 +21,7 @@ from boom_mj.simulation import CATALOGUE, Experiment
 
 MACHINE = (Path(__file__).parents[2] / "models" / "boom36.toml").read_text()
 SECRET = b"a secret that everybody may read, 11"  # whose effects show in 10 s, and are soon found
-MIXTURE = {"single": 2.0, "none": 1.0, "pair": 1.0, "withheld": 1.0, "stranger": 1.0}
+MIXTURE = {"single": 1.0, "none": 1.0, "pair": 1.0, "withheld": 1.0, "stranger": 1.0}
 OF_ALL = ("README.md", "answer.schema.json", "machine.toml")  # what every set of a machine has
 CASES = sum(map(int, MIXTURE.values()))
 
@@ -33,7 +33,7 @@ def brief(name: str) -> Experiment:
     return known.model_copy(update={"duration": 10.0, "release": known.release and 3.0, "move": moves})
 
 
-BRIEF = Suite((brief("release_bow_vertical"), brief("slew_t")), (brief("release_bow_horizontal"),))
+BRIEF = Suite((brief("slew_t"),), (brief("release_bow_horizontal"),))
 
 
 def make(at: Path, cluster: str | None = None) -> list[int]:
@@ -62,7 +62,7 @@ def test_cases_differ_in_their_samples_only(made: Path, tmp_path: Path) -> None:
     cases = sorted(path for path in (made / "cases").iterdir() if path.is_dir())
     assert [case.name for case in cases] == sorted(sealed(made))
     listed = [sorted(str(path.relative_to(case)) for path in case.rglob("*")) for case in cases]
-    assert len({*map(tuple, listed)}) == 1 and len(listed[0]) == 2 + 3 + 1
+    assert len({*map(tuple, listed)}) == 1 and len(listed[0]) == 2 + 2 + 1
     for path in (made / "cases").rglob("*"):
         assert path.stat().st_mtime == STAMP, path
         assert path.stat().st_mode == next((made / "cases").rglob(path.name)).stat().st_mode

@@ -18,6 +18,13 @@ from boom_mj.cli.documents import DOCUMENTS, Part
 from boom_mj.cli.schema import schema
 
 NO_DOCUMENT = {"schema"}  # it prints one itself
+DROP = """
+name = "drop"
+pose_deg = [0, 60, -35, -40, -45]
+duration = 6
+load = [0, 0, -490.5]
+release = 1.5
+"""
 needs_egl = pytest.mark.skipif(not can_render(), reason="EGL cannot render here")
 Ask = Callable[..., dict[str, Any]]
 
@@ -113,7 +120,10 @@ def test_validate(ask: Ask) -> None:
 
 
 @pytest.mark.slow
-def test_calibrate(ask: Ask, log: Path, tmp_path: Path) -> None:
+def test_calibrate(ask: Ask, tmp_path: Path) -> None:
+    drop, log = tmp_path / "drop.toml", tmp_path / "drop.mcap"
+    drop.write_text(DROP)
+    ask("simulate", "boom36", drop, "-o", log, "--json")
     words = ("boom36", log, "--free", "damping", "--json", tmp_path / "c.json")
     ask("calibrate", *words, file=tmp_path / "c.json")
     ask("calibrate", *words, "--plan", kind=1, file=tmp_path / "c.json")

@@ -178,10 +178,11 @@ class BoomSystem:
         joints = log[DRIVE]
         steps = step_times(plant, float(joints.time[-1] - joints.time[0]))
         reading, force = self._inputs(steps, log)
-        if any(isinstance(effect, AngleEffect) and effect.id != OFFSET for effect in plant.effects):
-            angles = driving_angles(log, self.levels[DRIVE][0], steps + joints.time[0], plant.effects)
-        else:  # a constant may as well be taken out afterwards
-            angles = true_angles(plant.effects, reading)
+        angles = true_angles(plant.effects, reading)  # a constant may as well be taken out afterwards
+        sensed = [e for e in plant.effects if isinstance(e, AngleEffect) and e.id != OFFSET]
+        if bent := sorted({int(effect.location["joint"]) - 1 for effect in sensed}):
+            at = steps + joints.time[0]
+            angles[:, bent] = driving_angles(log, self.levels[DRIVE][0], at, plant.effects, bent)
         return run(plant, angles, force)
 
     def _plant(self, machine: Machine, hypothesis: Hypothesis, level: Level) -> Plant:
