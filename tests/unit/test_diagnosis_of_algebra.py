@@ -45,6 +45,7 @@ from boom_mj.effects import Effect
 from boom_mj.estimation.latent_input import NONE
 from boom_mj.systems.as_built import AsBuilt
 from boom_mj.systems.predictor import Predictor, dataset_of
+from boom_mj.systems.system import Nuisance
 
 SQUARE, HUM, RAMP, LATE = term(Square, 1, 0.05), term(Hum, 2, 0.05), term(Ramp, 2, -0.1), term(Late, 1, 0.3)
 WEAK, WEAKER = term(Hum, 2, 0.003), term(Ramp, 2, -0.002)
@@ -169,6 +170,32 @@ def test_what_changed_is_as_unsure_as_what_it_changes() -> None:
     assert causes(answer) == {SQUARE.cause} and abs(off(answer, term(Square, 1, 0.1))) < 3.5
     assert answer.best.deviation == approx(np.hypot(sure.best.deviation, built.deviations[SQUARE.cause, "size"]))
     assert answer.best.deviation > 1.2 * sure.best.deviation
+
+
+class Individual(Algebra):
+    """Machines of whose first sensor the offset scatters a hundred times as much, as long as it is not known."""
+
+    def individual(self) -> tuple[Nuisance, ...]:
+        first, second = self.nuisances()
+        return replace(first, deviation=100 * first.deviation), second
+
+
+@mark.usefixtures("library")
+def test_how_a_machine_was_built_is_what_healthy_recordings_say_of_it() -> None:
+    first, second = term(Offset, 1, 0.8), term(Offset, 2, 0.02)
+    healthy = [recorded((first, second), motion, seed) for seed, motion in enumerate((swing, sweep))]
+    built = as_built(Individual(), healthy)
+    sizes = {effect.cause: effect.values["size"] for effect in built.built}
+    deviation = SAID / np.sqrt(2 * len(TIME))
+    assert sizes[first.cause] == approx(0.8, abs=4 * deviation)
+    assert built.deviations[first.cause, "size"] * first.declared["size"].typical == approx(deviation, rel=0.1)
+    usual, known = built.nuisances()
+    assert usual == Individual().nuisances()[1]  # a sensor may be set anew
+    (effect,) = known.hypothesis
+    assert effect.cause == first.cause and known.deviation * effect.values["size"] == approx(deviation, rel=0.1)
+    later = [recorded((first, second, SQUARE), motion, 5 + seed) for seed, motion in enumerate((swing, sweep))]
+    answer = diagnose(Predictor(built, dataset_of(built, later, 1)))
+    assert answer.verdict == "explained" and causes(answer) == {SQUARE.cause}
 
 
 @mark.usefixtures("library")
