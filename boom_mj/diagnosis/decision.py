@@ -76,7 +76,7 @@ def choose(scored: Sequence[Scored], as_built: Gaps) -> Scored | None:
     best = min(singles, key=_price, default=None)
     best = _simplest(best, singles, before)
     for size in range(2, 1 + max((len(j.fit.effects) for j in helpful), default=0)):
-        best = _with_more(best, [j for j in helpful if len(j.fit.effects) == size], scored, before)
+        best = _with_more(best, [j for j in helpful if len(j.fit.effects) == size], scored, as_built)
     return best
 
 
@@ -104,13 +104,23 @@ def _price(found: Scored) -> float:
     return found.held_out * (1 + found.model.criteria.parameter_cost * len(found.fit.scaled))
 
 
-def _with_more(best: Scored | None, larger: Sequence[Scored], scored: Sequence[Scored], before: float) -> Scored | None:
-    """The best explanation with one more cause, where it closes its share of what is left, or the best so far."""
+def _with_more(
+    best: Scored | None, larger: Sequence[Scored], scored: Sequence[Scored], as_built: Gaps
+) -> Scored | None:
+    """The best explanation with one more cause, where it closes its share of what is left, or the best so far.
+
+    What is left may be the inaccuracy of what there is (`leakage`), unless it is more than an explanation may leave and
+    with one more cause it is not.
+    """
+    before = as_built[1]
     for found in sorted(larger, key=_price):
         members = [j for j in scored if set(j.fit.candidate.places) < set(found.fit.candidate.places)]
-        alone = min([before, *(j.held_out for j in members), *([best.held_out] if best else [])])
+        fewer = [*members, *([best] if best else [])]
+        alone = min([before, *(j.held_out for j in fewer)])
         gain, criteria = alone**2 - found.held_out**2, found.model.criteria
-        inaccurate = 0.0 if max(found.gaps) < criteria.floor else criteria.leakage * (before**2 - alone**2)
+        needs = solved(as_built, found) and not any(solved(as_built, j) for j in fewer)
+        exact = needs or max(found.gaps) < criteria.floor
+        inaccurate = 0.0 if exact else criteria.leakage * (before**2 - alone**2)
         enough = gain > criteria.least_gain + inaccurate and all(sure(one.fit.residual, found) for one in members)
         if enough and alone - found.held_out > criteria.required_gain * (alone - 1):
             return _simplest(found, larger, before)

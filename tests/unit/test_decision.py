@@ -112,10 +112,19 @@ def test_a_second_cause_closes_half_of_what_the_first_leaves() -> None:
     assert chosen(single, alone, scored(1.5, PAYLOAD, SOFT)) == alone.label
 
 
-def test_what_may_be_the_firsts_inaccuracy_is_a_second_cause_only_where_nothing_but_noise_is_left() -> None:
-    single = scored(1.42, PAYLOAD)  # took 142 of the mean square, of which 1 % may be its own inaccuracy
-    assert chosen(single, scored(1.02, PAYLOAD, CONCRETE)) == single.label
-    assert chosen(single, scored(0.98, PAYLOAD, CONCRETE)) == "tip_payload + pipe_concrete"
+@mark.parametrize(
+    ("alone", "together", "both"),
+    [
+        (1.42, 1.07, False),  # took 142 of the mean square, of which 1 % may be its own inaccuracy
+        (1.42, 1.06, True),  # it does not suffice, with another it does
+        (1.06, 1.01, False),  # it suffices
+        (1.06, 0.98, True),  # nothing but noise is left
+    ],
+)
+def test_what_may_be_the_firsts_inaccuracy_is_no_second_cause(alone: float, together: float, both: bool) -> None:
+    single, pair = scored(alone, PAYLOAD), scored(together, PAYLOAD, CONCRETE)
+    assert (solved(NOMINAL, single), solved(NOMINAL, pair)) == (alone == 1.06, together < 1.07)
+    assert chosen(single, pair) == (pair if both else single).label
 
 
 def test_the_simplest_of_causes_that_contain_each_other() -> None:
