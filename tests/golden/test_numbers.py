@@ -4,22 +4,24 @@ python tests/golden/test_numbers.py > tests/golden/numbers.json
 """
 
 import json
+import re
 from dataclasses import asdict
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from boom_mj.diagnosis.criteria import described
 from boom_mj.effects import BOOM_SITES, effect_library
 from boom_mj.effects.site import Site
-from boom_mj.replay.quality.check import all_checks
 
 KEPT = Path(__file__).with_name("numbers.json")
+CODE = Path(__file__).parents[2] / "boom_mj"
+ROOMS = ("estimation", "diagnosis", "replay/quality")
+CONSTANT = re.compile(r"^([A-Z][A-Z_, ]*)(?:: [^=]+)? = (.+?)(?:  # .*)?$", re.M)
 LINES_HZ = (0.5, 2.0)  # of a spectrum that is screened for
 
 
 def numbers() -> dict[str, Any]:
-    """Ranges of every effect, what screening tries of it, every criterion and threshold, as JSON holds them."""
+    """Ranges of every effect, what screening tries of it, every criterion and constant, as JSON holds them."""
     effects = {}
     for name, kind in effect_library().items():
         if not kind.__module__.startswith("boom_mj."):
@@ -28,12 +30,9 @@ def numbers() -> dict[str, Any]:
         ranges = {key: asdict(value) for key, value in kind.parameters(site).items()}
         effects[name] = {"parameters": ranges, "screening": repr(kind.screening(site, LINES_HZ))}
     criteria = {f"{family} {field.name}": {**values} for family, field, values in described()}
-    thresholds = {}
-    for check in all_checks():
-        module = import_module(type(check).__module__)
-        own = {name: repr(value) for name, value in vars(module).items() if name.isupper() and not callable(value)}
-        thresholds[module.__name__.rpartition(".")[2]] = own
-    found = {"effects": effects, "criteria": criteria, "data checks": thresholds}
+    files = [path for room in ROOMS for path in sorted((CODE / room).rglob("*.py"))]
+    constants = {str(path.relative_to(CODE)): dict(CONSTANT.findall(path.read_text())) for path in files}
+    found = {"effects": effects, "criteria": criteria, "constants": {k: own for k, own in constants.items() if own}}
     return json.loads(json.dumps(found, default=str))
 
 

@@ -88,6 +88,28 @@ def test_numbers_by_recording_are_numbers_by_case() -> None:
     assert by_case({0: {"a": 1.0, "b": 2.0}, 3: {"a": 4.0}}) == {"a": {0: 1.0, 3: 4.0}, "b": {0: 2.0}}
 
 
+@pytest.mark.parametrize("rests", [True, False])
+@pytest.mark.parametrize("late", [0.06, -0.04])
+def test_joints_are_behind_their_commands_by_a_lag_whatever_their_zero(
+    late: float, rests: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    time = np.arange(0, 20, 0.02)
+    moving = np.clip(time - 8, 0, 4) if rests else time
+
+    def angle(at: np.ndarray) -> np.ndarray:
+        return 0.2 * np.interp(at, time, moving)[:, None] + np.zeros(5)
+
+    joints = SimpleNamespace(time=time, values=angle(time - late) + (0.01 if rests else 0.0))
+    evidence = SimpleNamespace(recordings=[{DRIVE: joints}])
+    monkeypatch.setattr(clock, "expected", lambda *given: angle(time))
+    if rests:
+        assert clock._behind(evidence, 0) == pytest.approx(late, abs=0.002)  # type: ignore[arg-type]
+    else:  # an even motion's lag is an offset
+        assert clock._behind(evidence, 0) == pytest.approx(0, abs=0.002)  # type: ignore[arg-type]
+    monkeypatch.setattr(clock, "expected", lambda *given: angle(0 * time))
+    assert clock._behind(evidence, 0) is None  # type: ignore[arg-type]
+
+
 def test_a_pair_compares_as_it_is_turned_round_and_about_its_means() -> None:
     pair = Pair(np.array([[1.0], [np.nan], [5.0]]), np.array([[-1.0], [0.0], [-2.0]]))
     assert pair.power == pytest.approx([5 / 3])

@@ -14,7 +14,7 @@ from boom_mj.diagnosis.decision import choose, solved
 from boom_mj.diagnosis.fitting import Fit
 from boom_mj.diagnosis.scoring import Scored
 from boom_mj.diagnosis.stages import _shared
-from boom_mj.effects import parse_effect
+from boom_mj.effects import BOOM_SITES, Effect, effect_library, parse_effect
 
 BUDGET = SearchBudget()
 MODEL = SimpleNamespace(criteria=BOOM, budget=BUDGET)
@@ -33,6 +33,11 @@ def scored(gap: float, *effects: str) -> Scored:
     empty = np.zeros((0, len(candidate.start)))
     fit = Fit(candidate, candidate.start, candidate.effects, empty[:, 0], empty, 0.0)
     return Scored(fit, MODEL, gap, gap, candidate.start)
+
+
+def one_of(kind: str) -> Effect:
+    """An effect where it may be first."""
+    return effect_library()[kind](effect_library()[kind].allowed(BOOM_SITES)[0])
 
 
 def chosen(*found: Scored) -> str | None:
@@ -155,3 +160,42 @@ def test_the_best_of_what_was_alone_are_tried_beside_a_leader_but_not_its_own_ca
         "base_compliance axes roll+pitch + tip_payload",
         "base_compliance axes roll+pitch + pipe_concrete",
     ]
+
+
+def test_beside_the_best_few_the_best_of_other_kinds_are_fitted() -> None:
+    shares = (
+        (PAYLOAD, 0.9),
+        (SOFT, 0.8),
+        (SOFTER, 0.7),
+        (CONCRETE, 0.5),
+        ("end_hose:mass=20", 0.3),
+        ("base_tilt", 0.2),
+    )
+    few = [SimpleNamespace(candidate=Candidate((parse_effect(PAYLOAD),)), share=1.0)] * BUDGET.finalists
+    more = [SimpleNamespace(candidate=Candidate((parse_effect(text),)), share=share) for text, share in shares]
+    found = stages.shortlist(MODEL, [*few, *more])  # type: ignore[arg-type]
+    assert found == [*few, more[1], more[3]]  # each kind once, and what promises more than a share of the best
+    kinds = ("tip_payload", "base_compliance", "pipe_concrete", "end_hose", "base_tilt", "imu_bias", "marker_slip")
+    alike = [SimpleNamespace(candidate=Candidate((effect,)), share=0.9) for effect in map(one_of, kinds)]
+    assert len(stages.shortlist(MODEL, [*few, *alike])) == BUDGET.finalists + BUDGET.kinds_beyond  # type: ignore[arg-type]
+
+
+def test_what_leaders_leave_is_refined_and_what_fits_training_best(monkeypatch: MonkeyPatch) -> None:
+    about, asked = SimpleNamespace(**vars(MODEL), facts=SimpleNamespace(oscillatory=True)), list[str]()
+
+    def refine(one: Scored, as_built: tuple[float, float], clock: Clock) -> Scored:
+        asked.append(one.label)
+        return one
+
+    def fitted(train: float, held_out: float, *effects: str) -> Scored:
+        return replace(scored(held_out, *effects), train=train, model=about)
+
+    monkeypatch.setattr(stages, "refine", refine)
+    leader, second, third, trained = (
+        fitted(5.0, 2.0, PAYLOAD), fitted(4.0, 2.5, CONCRETE), fitted(6.0, 2.9, SOFT), fitted(1.1, 8.0, SOFTER),
+    )  # fmt: skip
+    stages._refined([leader, second, third, trained], NOMINAL, Clock())
+    assert asked == [leader.label, second.label, trained.label]
+    asked.clear()
+    stages._refined([replace(leader, train=1.1), trained], NOMINAL, Clock())
+    assert asked == [leader.label]

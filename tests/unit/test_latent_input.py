@@ -9,7 +9,7 @@ import pytest
 from boom_mj.diagnosis.latent import UnitResponses, latent_input_of
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.effects import Effect, make_effect
-from boom_mj.estimation.latent_input import CORRELATION_S, KNOT_S, NONE, LatentInput
+from boom_mj.estimation.latent_input import CORRELATION_S, KNOT_S, NONE, LatentInput, posterior
 from boom_mj.systems.predictor import Predictor, dataset_of
 
 WIND, BREEZE = ((make_effect("wind", {"mean_speed": speed, "direction": 1.2}),) for speed in (15.0, 2.0))
@@ -59,6 +59,21 @@ def test_their_strength_is_told(gusty: tuple[LatentInput, np.ndarray]) -> None:
     low, high = gusty[0].interval
     assert low < gusty[0].strength < high
     assert low < STRENGTH < high
+
+
+def test_an_input_is_known_in_time_as_its_prior_and_what_it_does_let_it(
+    model: Linearisation, gusty: tuple[LatentInput, np.ndarray]
+) -> None:
+    """Mean s^2 Q L^T V^-1 r and covariance s^2 Q - s^2 Q L^T V^-1 L s^2 Q, with V = 1 + s^2 L Q L^T."""
+    found, residual = gusty
+    (part,) = found.parts
+    square = found.strength**2 * prior(len(part.turn))
+    shared = square @ part.responses.T.astype(float)
+    known = np.linalg.solve(np.eye(len(part.responses)) + part.responses @ shared, np.c_[residual[part.rows], shared.T])
+    mean, deviation = posterior(part, residual)
+    true = np.sqrt(np.diag(square - shared @ known[:, 1:]))
+    assert np.abs(mean - shared @ known[:, 0]).max() < 0.05 * true.max()
+    assert deviation == pytest.approx(true, rel=0.02)
 
 
 def test_without_a_wind_there_are_no_gusts(model: Linearisation, gusty: tuple[LatentInput, np.ndarray]) -> None:
