@@ -42,7 +42,8 @@ TESTS = (
     "unit/test_effect_files", "unit/test_blind_answers", "unit/test_deciding", "golden/test_numbers",
     "unit/test_logs_check", "unit/test_channel_checks", "laws/test_systems", "agree/test_effects_at_rest",
     "laws/test_estimation", "laws/test_effects", "laws/test_data_checks", "unit/test_fits_of_algebra",
-    "unit/test_sure", "unit/test_localisation", "unit/test_least_squares", "unit/test_dataset", "unit/test_as_built", "unit/test_single_effects",
+    "unit/test_sure", "unit/test_localisation", "unit/test_least_squares", "unit/test_dataset", "unit/test_as_built",
+    "unit/test_single_effects",
 )  # fmt: skip
 LONGEST = 180.0  # s of all tests of a mutant, which take half of it at most without it
 LONGEST_FILE = 300.0  # s of a file of tests that is watched

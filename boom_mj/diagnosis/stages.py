@@ -14,6 +14,7 @@ from boom_mj.diagnosis.refining import begun_anew, near, refine
 from boom_mj.diagnosis.scoring import Scored, score
 from boom_mj.diagnosis.screening import Screened, Screening, spectral_lines
 from boom_mj.effects import Effect
+from boom_mj.estimation.bootstrap import gap
 from boom_mj.estimation.least_squares import OPTIONS
 
 
@@ -117,7 +118,7 @@ def best_of_each(found: Iterable[Scored]) -> list[Scored]:
 
 
 def _combine(scored: list[Scored], size: int, as_built: Gaps, screening: Screening, clock: Clock) -> list[Scored]:
-    """Forward, with a swap: partners for the leader, others for its best partner, then for the next leader."""
+    """Forward, with a swap: partners for the leader, others for one that was there before, then for the next leader."""
     model = scored[0].model
     leaders = [j for j in scored if len(j.fit.effects) == size - 1 and useful(j, as_built)]
     trunks = [(_about(j, as_built, screening.model), j.fit.effects) for j in leaders[: model.budget.leaders]]
@@ -130,9 +131,19 @@ def _combine(scored: list[Scored], size: int, as_built: Gaps, screening: Screeni
         pairs = _pairs(trunk, _partners(about, trunk, screening, clock)) + _shared(trunk, scored)
         scored = _paired(scored, about, pairs, before, clock)
         if not seen and len(scored[0].fit.effects) == size:
-            trunks.insert(0, (_about(scored[0], as_built, screening.model), scored[0].fit.effects[1:]))
+            trunks.insert(0, (_about(scored[0], as_built, screening.model), _without_the_least(scored[0])))
         seen.add(machine)
     return scored
+
+
+def _without_the_least(found: Scored) -> tuple[Effect, ...]:
+    """Effects but the one that does least beside the others; not the last, to which others were tried."""
+    model, effects, train = found.model, found.fit.effects, found.model.data.train
+    fewer = [(*effects[:k], *effects[k + 1 :]) for k in range(len(effects) - 1)]
+    if len(fewer) == 1:
+        return fewer[0]
+    left = [gap(model.clean(model.residual(one)), train) for one in model.predict(fewer, training_only=True)]
+    return fewer[int(np.argmin(left))]
 
 
 def _about(found: Scored, as_built: Gaps, nominal: Linearisation) -> Linearisation:

@@ -61,3 +61,17 @@ def test_samples_within_the_joint_angles_are_all_compared(recwarn: pytest.Warnin
 def test_signals_without_a_time_in_common_are_refused_with_both_spans() -> None:
     with pytest.raises(LogError, match=r"no sample from 7.000 to 8.000 s; it runs from 8.5"):
         dataset(between(8.5, 9.0, joint=(7.0, 8.0)))
+
+
+def test_a_table_has_all_channels_of_a_recording_on_one_grid() -> None:
+    data = dataset(between(7.0, 9.0), between(7.0, 8.0))
+    table, own = data.table(1), data.of(1)
+    assert table.log is data.recordings[1] and table.channels == tuple(own)
+    assert table.time[:2] == pytest.approx(data.block_s * np.array([0.5, 1.5])) and table.time[-1] >= 1.0
+    for column, channel in enumerate(own):
+        seen = table.mean[:, column]
+        assert np.array_equal(np.flatnonzero(np.isfinite(seen)), channel.blocks[np.isfinite(channel.measured)])
+        assert np.array_equal(seen[channel.blocks], channel.measured, equal_nan=True)
+        assert table.noise[channel.blocks, column] == pytest.approx(channel.noise / np.sqrt(channel.count))
+    turned = table.saying(-np.concatenate([channel.measured for channel in own]))
+    assert np.array_equal(turned.mean, -table.mean, equal_nan=True)

@@ -74,6 +74,13 @@ def test_beside_what_suffices_another_is_tried_where_one_may_hide(
     assert (pair in found) == looks
 
 
+@mark.parametrize(("left", "both"), [(0.9885, True), (0.9889, False)])
+def test_a_second_cause_lowers_the_mean_square_by_what_counts(left: float, both: bool) -> None:
+    single, pair = scored(0.99, PAYLOAD), scored(left, PAYLOAD, SOFT)
+    assert (0.99**2 - left**2 > BOOM.least_gain) == both
+    assert chosen(single, pair) == (pair if both else single).label
+
+
 def test_a_second_cause_that_held_out_data_do_not_tell_is_none(monkeypatch: MonkeyPatch) -> None:
     single, pair = scored(1.02, PAYLOAD), scored(0.97, PAYLOAD, SOFT)
     assert chosen(single, pair) == pair.label

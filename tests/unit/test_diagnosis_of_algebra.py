@@ -38,7 +38,10 @@ from boom_mj.diagnosis.candidate import everywhere
 from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.criteria import BOOM
 from boom_mj.diagnosis.healthy import as_built
+from boom_mj.diagnosis.named import closure_of
+from boom_mj.diagnosis.scoring import Scored
 from boom_mj.diagnosis.screening import Screening
+from boom_mj.diagnosis.sentences import rival, sentence
 from boom_mj.diagnosis.steps import channel_steps
 from boom_mj.diagnosis.watch import watch
 from boom_mj.effects import Effect
@@ -352,6 +355,33 @@ def test_steps_go_from_the_data_sheet_to_noise() -> None:
     assert (first.log, first.channel, second.log) == ("training", "first", "held out")
     assert first.data_sheet > 2 and first.as_built > 1.5 and not first.worse
     assert first.with_causes == approx(1.0, abs=4 * first.uncertainty)
+
+
+@mark.usefixtures("library")
+def test_a_gap_is_said_to_lie_somewhere_where_there_is_one() -> None:
+    shown, weak = found(SQUARE), found(term(Hum, 2, 0.002))
+    assert sentence(shown).startswith("Square at sensor 1 (size 0.0") and "Without it, it is seen" in sentence(shown)
+    assert weak.verdict == "explained" and "shows within noise" in sentence(weak) and "Without it" not in sentence(weak)
+
+
+@mark.usefixtures("library")
+def test_every_candidate_that_lost_is_told_why() -> None:
+    answer = found(SQUARE, HUM)
+    whys = {one.label: rival(answer, one)["why_not"] for one in answer.scored if one is not answer.best}
+    lost = next(one for one in answer.scored if one.label == "square sensor 1")
+    share = f"closes {closure_of(answer, lost):.0%} of the held-out gap"
+    assert whys[lost.label] == f"{share}, {answer.best.label} 100%"
+    larger = [why for label, why in whys.items() if label.count("+") == 2]
+    assert all(why.endswith(f": no better than {answer.best.label} alone") for why in larger)
+
+    def why(change: Scored) -> str:
+        scored = tuple(change if one is lost else one for one in answer.scored)
+        return rival(replace(answer, scored=scored), change)["why_not"]
+
+    better = replace(lost, train=lost.held_out / 1.2)
+    assert "fits the training data better" in why(better)
+    assert "fits the training data better" not in why(replace(lost, train=lost.held_out / 1.05))
+    assert why(replace(lost, train=30.0, held_out=30.0)).startswith("fits no better at any size")
 
 
 @mark.usefixtures("library")

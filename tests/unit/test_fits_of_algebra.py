@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
-from algebra import Hum, Late, Square, Tone, model, term
+from algebra import Hum, Late, Ramp, Square, Tone, model, term
 from pytest import MonkeyPatch, approx, mark
 from scipy.optimize import least_squares
 
@@ -13,6 +13,7 @@ from boom_mj.diagnosis.fitting import fit, refine_jointly
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.refining import begun_anew, beyond
 from boom_mj.diagnosis.scoring import alternatives, profiled, score
+from boom_mj.diagnosis.stages import _without_the_least
 from boom_mj.effects import Effect
 from boom_mj.estimation.bootstrap import gap
 from boom_mj.estimation.intervals import Z95
@@ -111,3 +112,18 @@ def test_a_size_is_as_unsure_as_ends_that_are_as_good_are_apart(worse: float, un
     found = alternatives([replace(best, fit=there, train=best.train + worse), best], before=5.0)
     assert found.fit is best.fit
     assert Z95 * found.deviation == approx(Z95 * best.deviation if unsure is None else [unsure])
+
+
+@mark.parametrize(
+    ("causes", "kept"),
+    [
+        ((LATE, SQUARE), (SQUARE,)),  # what came first, whatever it does: beside it others were tried
+        ((LATE, term(Ramp, 2, 0.05), SQUARE), (LATE, SQUARE)),
+        ((term(Ramp, 2, 0.05), LATE, SQUARE), (LATE, SQUARE)),
+        ((LATE, HUM, term(Ramp, 2, 0.05)), (LATE, term(Ramp, 2, 0.05))),  # the last stays
+    ],
+)
+def test_others_are_tried_in_the_place_of_what_does_least(causes: tuple[Effect, ...], kept: tuple[Effect, ...]) -> None:
+    about = model(causes)
+    found = score(about, fit(about, Candidate(causes)))
+    assert [effect.cause for effect in _without_the_least(found)] == [effect.cause for effect in kept]

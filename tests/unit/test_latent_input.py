@@ -6,10 +6,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from boom_mj.diagnosis.latent import UnitResponses, latent_input_of
+from boom_mj.diagnosis.latent import UnitResponses, latent_input_of, units_of
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.effects import Effect, make_effect
-from boom_mj.estimation.latent_input import CORRELATION_S, KNOT_S, NONE, LatentInput, posterior
+from boom_mj.estimation.latent_input import CORRELATION_S, KNOT_S, NONE, LatentInput, Part, _steadiness, posterior
 from boom_mj.systems.predictor import Predictor, dataset_of
 
 WIND, BREEZE = ((make_effect("wind", {"mean_speed": speed, "direction": 1.2}),) for speed in (15.0, 2.0))
@@ -59,6 +59,24 @@ def test_their_strength_is_told(gusty: tuple[LatentInput, np.ndarray]) -> None:
     low, high = gusty[0].interval
     assert low < gusty[0].strength < high
     assert low < STRENGTH < high
+
+
+@pytest.mark.parametrize(("acts", "steady"), [(10, 1.0), (6, 10 / 6), (4, 0.0)])
+def test_what_never_rests_is_steady(acts: int, steady: float) -> None:
+    """Median power of windows over the mean, of an input that acts in some of ten windows, and as much in each."""
+    count, strength, power = 200, 3.0, 50.0
+    unit = np.eye(count)
+    part = Part(slice(0, count), unit, unit, unit, np.full(count, power))
+    signs = np.random.default_rng(5).choice([-1.0, 1.0], count) * (np.arange(count) < count * acts / 10)
+    assert _steadiness([part], strength, strength * np.sqrt(power) * signs, count // 10) == pytest.approx(steady)
+
+
+def test_units_are_simulated_where_a_load_ends_and_nothing_moves(model: Linearisation) -> None:
+    knots, chosen = units_of(model.predictor, 0)
+    phases = model.system.timeline(model.data.recordings[0]).phases()
+    ended = 1 + np.flatnonzero((phases[1:] != phases[:-1]) & np.char.startswith(phases[1:], "after"))
+    assert len(ended) == 1 and chosen[0] == 0
+    assert knots[chosen[1:]] == pytest.approx(ended * model.data.block_s, abs=KNOT_S)
 
 
 def test_an_input_is_known_in_time_as_its_prior_and_what_it_does_let_it(
