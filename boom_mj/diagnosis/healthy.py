@@ -27,12 +27,12 @@ ROUNDS = 3  # Gauss-Newton steps, each about the machine that the last has found
 def as_built(system: System, healthy: Sequence[Recording], clock: Clock | None = None) -> AsBuilt:
     """The system with what healthy recordings say of it."""
     clock = clock or Clock()
-    data = dataset_of(system, healthy, len(healthy))
+    predictor = Predictor(system, dataset_of(system, healthy, len(healthy)))
     clock.tell(f"the machine as built, by {len(healthy)} healthy recordings")
     with threadpool_limits(1):
         if isinstance(system, Individuals):
-            return _individual(Predictor(system, data.whole()), system.individual(), clock)
-        best = diagnose(Predictor(system, data), clock=clock).best
+            return _individual(predictor, system.individual(), clock)
+        best = diagnose(predictor, clock=clock).best
     if best is None:
         return AsBuilt(system, ())
     effects, parameters = best.fit.effects, best.fit.candidate.parameters

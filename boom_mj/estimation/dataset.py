@@ -53,10 +53,6 @@ class Dataset:
         """The same recordings; the first part of one more trains."""
         return replace(self, extended=self.extended | {index})
 
-    def whole(self) -> "Dataset":
-        """The same recordings, all of them for training, of which nothing is held out."""
-        return replace(self, training=len(self.recordings), first=lambda time, lasts: np.full(time.shape, True))
-
     def alone(self, index: int, since_s: float = 0.0) -> "Dataset":
         """One recording from a moment on, split in time."""
         own = self.of(index)

@@ -9,7 +9,6 @@ YELLOW = (0.93, 0.69, 0.13, 1)
 """Of the boom: red, green, blue, opacity."""
 GREY, DARK = (0.55, 0.57, 0.6, 1), (0.12, 0.13, 0.15, 1)
 BOX, CYLINDER, MESH = mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_CYLINDER, mujoco.mjtGeom.mjGEOM_MESH
-CAPSULE = mujoco.mjtGeom.mjGEOM_CAPSULE
 
 
 def dress(spec: mujoco.MjSpec, machine: Machine) -> None:

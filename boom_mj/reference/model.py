@@ -13,7 +13,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from boom_mj.errors import EquilibriumError
-from boom_mj.machine import AXES, Machine, cylinder_forces, ritz_shapes, sections
+from boom_mj.machine import AXES, Machine, ritz_shapes, sections
 from boom_mj.reference.kinematics import JOINTS, Section, chain_sections, coordinate_names
 
 Array = np.ndarray
@@ -179,8 +179,3 @@ class ReferenceModel:
         """tau_1..tau_5 of (25), N m, that the drives exert."""
         force = self.mass_matrix(q) @ acceleration + self.coriolis_force(q, velocity) + self.potential_force(q)
         return (force + self.damping * velocity - self.tip(q)[1] @ tip_force)[:JOINTS]
-
-    def static_cylinder_forces(self, q: Array, tip_force: Array) -> Array:
-        """Forces of cylinders 2 and 3 at rest, (2,), N."""
-        rest = np.zeros_like(q)
-        return cylinder_forces(self.machine, q[:JOINTS], self.joint_torques(q, rest, rest, tip_force))

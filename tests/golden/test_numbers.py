@@ -17,6 +17,7 @@ KEPT = Path(__file__).with_name("numbers.json")
 CODE = Path(__file__).parents[2] / "boom_mj"
 ROOMS = ("estimation", "diagnosis", "replay/quality")
 CONSTANT = re.compile(r"^([A-Z][A-Z_, ]*)(?:: [^=]+)? = (.+?)(?:  # .*)?$", re.M)
+OPTION = re.compile(r"^    ([a-z_]+): (?:int|float) = ([-+.e\d]+)$", re.M)
 LINES_HZ = (0.5, 2.0)  # of a spectrum that is screened for
 
 
@@ -31,9 +32,14 @@ def numbers() -> dict[str, Any]:
         effects[name] = {"parameters": ranges, "screening": repr(kind.screening(site, LINES_HZ))}
     criteria = {f"{family} {field.name}": {**values} for family, field, values in described()}
     files = [path for room in ROOMS for path in sorted((CODE / room).rglob("*.py"))]
-    constants = {str(path.relative_to(CODE)): dict(CONSTANT.findall(path.read_text())) for path in files}
+    constants = {str(path.relative_to(CODE)): _own(path.read_text()) for path in files}
     found = {"effects": effects, "criteria": criteria, "constants": {k: own for k, own in constants.items() if own}}
     return json.loads(json.dumps(found, default=str))
+
+
+def _own(code: str) -> dict[str, str]:
+    """Constants of a module and numbers of its options, as they are written."""
+    return dict(CONSTANT.findall(code) + OPTION.findall(code))
 
 
 def test_no_number_moves_unseen() -> None:

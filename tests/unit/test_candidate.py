@@ -30,6 +30,15 @@ def test_a_pair_gives_up_an_effect_or_parameters_and_keeps_the_rest() -> None:
     assert {e.values["pitch"] for e in keeps} == {2e7}
 
 
+def test_an_effect_gives_way_to_its_special_cases_with_their_share_of_its_values() -> None:
+    library, site = effect_library(), Site((("joint", "a"),), frozenset({"mjcf"}))
+    whole = library["dry_and_viscous_friction"](site, force=0.4, damping=0.7)
+    (dry,), (viscous,) = (one.effects for one in Candidate((whole,)).simpler())
+    assert (dry.id, dry.values) == ("coulomb_friction", {"force": 0.4})
+    assert (viscous.id, viscous.values) == ("viscous_joint_friction", {"damping": 0.7})
+    assert not list(Candidate((dry,)).simpler())
+
+
 def test_what_shares_a_cause_does_not_stand_beside() -> None:
     library = effect_library()
     joint, other = (Site((("joint", name),), frozenset({"mjcf"})) for name in "ab")

@@ -75,3 +75,16 @@ def test_a_table_has_all_channels_of_a_recording_on_one_grid() -> None:
         assert table.noise[channel.blocks, column] == pytest.approx(channel.noise / np.sqrt(channel.count))
     turned = table.saying(-np.concatenate([channel.measured for channel in own]))
     assert np.array_equal(turned.mean, -table.mean, equal_nan=True)
+
+
+def test_there_is_something_to_learn_from() -> None:
+    for recordings, training in (([], 0), ([], 1), ([between(7.0, 9.0)], 0)):
+        with pytest.raises(LogError, match="at least one recording"):
+            dataset_of(SYSTEM, recordings, training)
+
+
+def test_windows_are_numbered_through_all_recordings() -> None:
+    data = dataset(between(7.0, 9.0), between(7.0, 8.0))
+    number = np.floor(data.time / data.correlation_s)
+    assert np.array_equal(data.windows, data.recording_of * (number.max() + 1) + number)
+    assert len({*data.windows[data.recording_of == 0]} & {*data.windows[data.recording_of == 1]}) == 0

@@ -19,7 +19,7 @@ from boom_mj.effects.filters import lagged
 from boom_mj.effects.library.wind import CORRELATION_S
 from boom_mj.errors import LogWarning
 from boom_mj.estimation import dataset
-from boom_mj.estimation.bootstrap import closure, resampled_means, worse_by
+from boom_mj.estimation.bootstrap import closure, log_squares, mean_over, resampled_means, worse_by
 from boom_mj.estimation.intervals import robust_variance
 from boom_mj.estimation.noise import OPTIONS, _carried, noise_model
 from boom_mj.recording import Recording, named_signal
@@ -276,3 +276,20 @@ def test_a_steady_tone_screened_as_a_pulsation_stays_within_its_bounds() -> None
 
 def test_what_an_explanation_may_leave_grows_with_the_gap_above_the_floor() -> None:
     assert BOOM.enough(3.0) == pytest.approx(BOOM.explained_gap + 2 * BOOM.error_share)
+
+
+def test_logarithms_of_what_channels_leave_window_by_window() -> None:
+    data = SimpleNamespace(
+        held_out=np.array([False, True, True, True, True, True, True]),
+        windows=np.array([0, 2, 2, 5, 2, 5, 5]),
+        channel_of=np.array([0, 0, 0, 0, 1, 1, 1]),
+    )
+    residual = np.array([9.0, 1.0, 3.0, 0.5, 2.0, 4.0, 0.0])
+    logs, windows = log_squares(data, np.array([residual, 2 * residual]))  # type: ignore[arg-type]
+    assert windows.tolist() == [0, 1, 0, 1]
+    assert np.exp(logs) == pytest.approx(np.array([[5.0, 1.0, 4.0, 8.0], [20.0, 1.0, 16.0, 32.0]]))
+
+
+def test_a_mean_is_as_unsure_as_its_clusters_are_apart() -> None:
+    mean, error = mean_over(np.array([0, 0, 3, 3]), np.array([1.0, 3.0, 5.0, 7.0]))
+    assert (mean, error) == (4.0, pytest.approx(np.sqrt(4.0**2 + 4.0**2) / 4))

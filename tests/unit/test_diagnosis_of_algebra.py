@@ -189,7 +189,7 @@ def test_how_a_machine_was_built_is_what_healthy_recordings_say_of_it() -> None:
     healthy = [recorded((first, second), motion, seed) for seed, motion in enumerate((swing, sweep))]
     built = as_built(Individual(), healthy)
     sizes = {effect.cause: effect.values["size"] for effect in built.built}
-    deviation = SAID / np.sqrt(2 * len(TIME))
+    deviation = SAID / np.sqrt(2 * 0.6 * len(TIME))  # of the first part of each recording
     assert sizes[first.cause] == approx(0.8, abs=4 * deviation)
     assert built.deviations[first.cause, "size"] * first.declared["size"].typical == approx(deviation, rel=0.1)
     usual, known = built.nuisances()

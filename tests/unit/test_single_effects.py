@@ -14,6 +14,7 @@ from boom_mj.effects import (
     make_effect,
     parse_effect,
 )
+from boom_mj.effects.library.end_hose import DAMPING
 from boom_mj.errors import EffectError
 from boom_mj.estimation.latent_input import KNOT_S
 from boom_mj.machine import load_machine
@@ -85,3 +86,18 @@ def test_text_becomes_an_effect() -> None:
 def test_bad_effects_are_named(text: str, told: str) -> None:
     with pytest.raises(EffectError, match=told):
         parse_effect(text)
+
+
+@pytest.mark.parametrize("link", [2, 3, 4, 5])
+def test_a_longer_link_reaches_as_much_farther(link: int) -> None:
+    longer = make_effect("link_length", {"link": link, "error": 0.3})
+    plants = make_plant(BOOM, 2), make_plant(BOOM, 2, [longer])
+    reach = [plant.tip(np.zeros(plant.model.nq))[0] for plant in plants]
+    assert reach[1] - reach[0] == pytest.approx(0.3, abs=1e-3)
+
+
+def test_a_hose_swings_with_its_own_share_of_damping() -> None:
+    model = make_plant(BOOM, 1, [make_effect("end_hose", {"mass": 30.0})]).model
+    length, (hinge,) = BOOM.end_hose.length, model.joint("hose_pitch").dofadr
+    critical = 2 * 30.0 * length**2 * np.sqrt(BOOM.gravity / length)
+    assert model.dof_damping[hinge] == pytest.approx(DAMPING * critical)

@@ -103,17 +103,3 @@ def restamped(names: Sequence[str], stamps: Callable[[Array], Array]) -> Edit:
         return recording.with_signals({n: replace(recording[n], time=stamps(recording[n].time)) for n in names})
 
     return edit
-
-
-def cut(start: float, stop: float) -> Edit:
-    """Only what was from start to stop, in stamps, s; signals with nothing there are left out."""
-
-    def edit(recording: Recording) -> Recording:
-        signals = {}
-        for name, signal in recording.signals.items():
-            inside = (signal.time >= start) & (signal.time <= stop)
-            if inside.any():
-                signals[name] = replace(signal, time=signal.time[inside], values=signal.values[inside])
-        return replace(recording, signals=signals)
-
-    return edit

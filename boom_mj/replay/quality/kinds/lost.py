@@ -11,7 +11,6 @@ from boom_mj.replay.quality.finding import Action
 
 HOLE, LOST = 5.0, 0.01  # usual steps of one stretch, share of messages: clean logs have no hole and lose none
 LATE = 1.0  # s without a sensor at the ends of the joints' time: recorders start and stop within less
-HIDDEN = 0.01  # share of NaN
 
 
 class Lost(Check):
