@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from boom_mj.diagnosis import Diagnosis, diagnose
 from boom_mj.diagnosis.linearisation import Linearisation, linearise
 from boom_mj.effects import Effect, Parameter, Site
 from boom_mj.errors import SimulationError
@@ -252,3 +253,24 @@ def model(effects: Hypothesis, **facts) -> Linearisation:
 
 def _signal(values: Array, name: str) -> Signal:
     return Signal(TIME, values[:, None], (name,), "1", "")
+
+
+SQUARE, HUM, RAMP, LATE = term(Square, 1, 0.05), term(Hum, 2, 0.05), term(Ramp, 2, -0.1), term(Late, 1, 0.3)
+WEAK, WEAKER = term(Hum, 2, 0.003), term(Ramp, 2, -0.002)
+
+
+def found(*effects: Effect, without: tuple[str, ...] = (), most: int | None = None, **machine) -> Diagnosis:
+    return diagnose(predictor(effects, **machine), without, most=most)
+
+
+def causes(answer: Diagnosis) -> set:
+    assert answer.best is not None
+    return {effect.cause for effect in answer.best.fit.effects}
+
+
+def off(answer: Diagnosis, true: Effect) -> float:
+    """By how many of its standard deviations the size of a cause is off."""
+    assert answer.best is not None
+    (k,) = [k for k, effect in enumerate(answer.best.fit.effects) if effect.cause == true.cause]
+    scale = true.declared["size"].typical
+    return (answer.best.fit.effects[k].values["size"] - true.values["size"]) / scale / answer.best.deviation[k]

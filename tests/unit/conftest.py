@@ -1,11 +1,14 @@
 """What unit tests share."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from algebra import LIBRARY, Cube, Hum, Late, Offset, Ramp, Square, Term
 
+from boom_mj.diagnosis import candidate
 from boom_mj.diagnosis.criteria import BOOM
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.estimation.linear import LinearPosterior
@@ -42,3 +45,15 @@ def model() -> Linearisation:
         all_nuisances=nuisances,
         criteria=BOOM,
     )
+
+
+@pytest.fixture
+def library(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """Lets only some effects compete."""
+
+    def hold(*kinds: type[Term]) -> None:
+        held = {name: kind for name, kind in LIBRARY.items() if kind in (Offset, *kinds)}
+        monkeypatch.setattr(candidate, "effect_library", lambda: held)
+
+    hold(Square, Cube, Ramp, Hum, Late)
+    return hold
