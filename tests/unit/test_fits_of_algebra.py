@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
-from algebra import Hum, Late, Ramp, Square, Tone, model, term
+from algebra import HUM, LATE, SQUARE, Ramp, Square, Tone, model, term
 from pytest import MonkeyPatch, approx, mark
 from scipy.optimize import least_squares
 
@@ -18,8 +18,6 @@ from boom_mj.effects import Effect
 from boom_mj.estimation.bootstrap import gap
 from boom_mj.estimation.intervals import Z95
 from boom_mj.estimation.least_squares import OPTIONS
-
-SQUARE, HUM, LATE = term(Square, 1, 0.05), term(Hum, 2, 0.05), term(Late, 1, 0.3)
 
 
 @mark.parametrize("true", [SQUARE, LATE], ids=["linear", "not linear"])
