@@ -81,7 +81,8 @@ def document(
         "budget": budget,
         "remainder": remainder,
         "floor_share": 1 - sum(row["share"] for row in budget) - (remainder or {"share": 0.0})["share"],
-        "data": [finding.document() for finding in findings],
+        "data": [finding.document() for finding in (*findings, *_outlying(found))],
+        "with_outliers": _with_outliers(found),
         "complete": not found.skipped,
         "skipped": list(found.skipped),
         "provenance": {
@@ -111,6 +112,24 @@ def _with_former_names(answer: dict[str, Any]) -> dict[str, Any]:
         "pushes": answer["residual_forces"],
         "unexplained": left and {**left, "learn_from": left["train_with"]},
         "provenance": {**made, "recordings": recordings, **({"hinges": {**hinges, **former}} if hinges else {})},
+    }
+
+
+def _outlying(found: Diagnosis) -> list[DataFinding]:
+    return [finding for part in found.outliers for finding in part.findings]
+
+
+def _with_outliers(found: Diagnosis) -> dict[str, Any] | None:
+    """In short what was found before outliers were left out; None without any."""
+    whole = found.with_outliers
+    if whole is None:
+        return None
+    causes, named = described(whole) if whole.best else [], named_as_causes(whole)
+    return {
+        "verdict": whole.verdict,
+        "sentence": sentence(whole),
+        "effects": [cause for cause, so in zip(causes, named) if so],
+        "suspect": [cause for cause, so in zip(causes, named) if not so],
     }
 
 
@@ -149,8 +168,8 @@ def _remainder(found: Diagnosis, beside: bool) -> dict[str, Any]:
     share = found.budget.remainder.value if beside and found.budget else (left - 1) / whole
     return {
         "share": max(share, 0.0),
-        "looks_like": looks_like(found.model, found.residual),
-        "where": in_words(locate(found.model, found.residual)),
+        "looks_like": "outlying" if found.outliers else looks_like(found.model, found.residual),
+        "where": " and ".join(part.name for part in found.outliers) or in_words(locate(found.model, found.residual)),
         "other_laws": [{"location": place, "holdout_gap": left} for place, left in other_laws(found)],
         "train_with": [found.model.data.recordings[k].name for k in found.not_trained],
     }

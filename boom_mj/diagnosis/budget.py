@@ -162,6 +162,11 @@ def needed(best: Scored, scored: Sequence[Scored], as_built: Array, effect: Effe
     return bool(np.quantile(closes[1:], TAIL) > model.criteria.named_closure)
 
 
+def any_needed(best: Scored, scored: Sequence[Scored], as_built: Array) -> bool:
+    """Whether nothing else does what one of the causes does."""
+    return any(needed(best, scored, as_built, effect) for effect in best.fit.effects)
+
+
 def _mean_squares(model: Linearisation, residuals: Sequence[Array]) -> Array:
     """Held-out mean squares, of the data and of draws, (draws + 1, residuals)."""
     rows = model.data.held_out

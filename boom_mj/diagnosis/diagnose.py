@@ -1,23 +1,24 @@
 """The diagnosis: fidelity and nuisances, screening, single causes, combinations, and scores on held-out data."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from boom_mj.diagnosis.budget import Budget, Odds, gap_budget, needed, odds
+from boom_mj.diagnosis.budget import Budget, Odds, any_needed, gap_budget, needed, odds
 from boom_mj.diagnosis.candidate import everywhere
 from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.criteria import Criteria
 from boom_mj.diagnosis.decision import choose, explains, solved, sure, ties_with, useful
 from boom_mj.diagnosis.linearisation import Linearisation, linearise
-from boom_mj.diagnosis.scoring import Scored
+from boom_mj.diagnosis.outlying import Outlier, outlying
+from boom_mj.diagnosis.scoring import Scored, held_out_closure, simplest_gap
 from boom_mj.diagnosis.screening import Screened, Screening, spectral_lines
 from boom_mj.diagnosis.stages import combined, refined, singles
 from boom_mj.diagnosis.stand_in import freed
-from boom_mj.estimation.bootstrap import Closure, closure, gap
+from boom_mj.estimation.bootstrap import Closure, gap
 from boom_mj.systems.predictor import Predictor
 from boom_mj.systems.system import Designs, ResidualForce, ResidualForces, separating_experiments
 
@@ -42,6 +43,8 @@ class Diagnosis:
         skipped: what was not looked at for want of time.
         freed: the best explanation with a joint's resistance set free, where its law is another (`stand_in`).
         simplest: held-out gap that the simplest model leaves, with the explanation or without; None where not tried.
+        outliers: what was left out, since nothing explains it: all else is about the rest.
+        with_outliers: what was found before; None without any.
     """
 
     verdict: str
@@ -58,6 +61,16 @@ class Diagnosis:
     skipped: tuple[str, ...] = ()
     freed: tuple[Scored, ...] = ()
     simplest: float | None = None
+    outliers: tuple[Outlier, ...] = ()
+    with_outliers: "Diagnosis | None" = None
+
+    def but_for(self, outliers: tuple[Outlier, ...], with_outliers: "Diagnosis | None") -> "Diagnosis":
+        """The diagnosis of the rest as one of the whole: something is at work that nothing explains."""
+        if not outliers:
+            return self
+        verdict = "partial" if self.solved else "unexplained"
+        odds = replace(self.odds, outside_library=self.odds.outside_library + self.odds.none, none=0.0)
+        return replace(self, verdict=verdict, odds=odds, outliers=outliers, with_outliers=with_outliers)
 
     @property
     def criteria(self) -> Criteria:
@@ -79,6 +92,8 @@ class Diagnosis:
         """Of the effects of the best explanation: whether nothing else does what they do."""
         if not self.best:
             return ()
+        if self.outliers and not self.ties:
+            return (True,) * len(self.best.fit.effects)
         rivals = (*self.scored, *self.freed)
         return tuple(needed(self.best, rivals, self.as_built, effect) for effect in self.best.fit.effects)
 
@@ -131,6 +146,8 @@ def diagnose(
 ) -> Diagnosis:
     """Find what a machine has that its nominal model lacks.
 
+    Where that leaves a gap that is mostly one sensor's or a few seconds', the rest is diagnosed without (`outlying`).
+
     Args:
         predictor: of its system and recordings.
         without: ids of effects that are withheld from the library.
@@ -140,7 +157,28 @@ def diagnose(
         keep: is given what is known after every stage, the best so far.
     """
     with threadpool_limits(1):  # simulations have the cores
-        return _diagnose(predictor, without, clock or Clock(), most, keep)
+        return _of_most(predictor, without, clock or Clock(), most, keep)
+
+
+def _of_most(
+    predictor: Predictor,
+    without: Sequence[str],
+    clock: Clock,
+    most: int | None,
+    keep: Keep,
+    outliers: tuple[Outlier, ...] = (),
+    whole: Diagnosis | None = None,
+) -> Diagnosis:
+    """The diagnosis of all but outliers, or of the whole where the rest is not explained either."""
+    found = _diagnose(predictor, without, clock, most, lambda so_far: keep(so_far.but_for(outliers, whole)))
+    if found.verdict not in ("partial", "unexplained"):
+        return found.but_for(outliers, whole)
+    whole, part = whole or found, outlying(found.model, found.as_built, found.scored)
+    if part is None or clock.over(f"the rest without {part.name}"):
+        return whole
+    clock.tell(f"{part.name} disagrees with all else; without that")
+    rest = found.model.predictor.hiding(part.rows)
+    return _of_most(rest, without, clock, most, keep, (*outliers, part), whole)
 
 
 def _diagnose(predictor: Predictor, without: Sequence[str], clock: Clock, most: int | None, keep: Keep) -> Diagnosis:
@@ -248,28 +286,6 @@ def _concluded(
         other_laws,
         simplest_gap(model, best) if verdict in ("unexplained", "partial") else None,
     )
-
-
-def any_needed(best: Scored, scored: Sequence[Scored], as_built: Array) -> bool:
-    """Whether nothing else does what one of the causes does."""
-    return any(needed(best, scored, as_built, effect) for effect in best.fit.effects)
-
-
-def simplest_gap(model: Linearisation, best: Scored | None) -> float | None:
-    """Held-out gap of the simplest model, without causes and with the best explanation, whichever is less."""
-    level = model.facts.fidelity.simplest
-    if level is None:
-        return None
-    hypotheses = [(), *([best.fit.effects] if best else [])]
-    said = model.predictor.predict(hypotheses, level)
-    left = [model.clean(model.noise.white(model.data.measured - one)) for one in said]
-    return min(gap(one, model.data.held_out) for one in left)
-
-
-def held_out_closure(model: Linearisation, before: Array, after: Array) -> Closure:
-    """How much of a held-out gap went away between two whitened residuals, (N,)."""
-    rows = model.data.held_out
-    return closure(model.data.windows[rows], before[rows], after[rows])
 
 
 def _next_experiment(model: Linearisation, rivals: Sequence[tuple]) -> str | None:

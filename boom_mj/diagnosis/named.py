@@ -95,7 +95,7 @@ def _share(found: Diagnosis, number: int) -> dict[str, Any]:
 def probability(found: Diagnosis, effect: Effect) -> float:
     """That the machine has an effect of the best explanation, whatever else it has."""
     assert found.best is not None
-    if found.verdict == "partial" and found.sure[found.best.fit.effects.index(effect)]:
+    if found.verdict == "partial" and not found.outliers and found.sure[found.best.fit.effects.index(effect)]:
         return 1 - found.criteria.shadow
     return inclusion(found.odds, found.scored, effect)
 

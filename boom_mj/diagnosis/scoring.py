@@ -7,7 +7,7 @@ import numpy as np
 
 from boom_mj.diagnosis.fitting import Fit
 from boom_mj.diagnosis.linearisation import Linearisation
-from boom_mj.estimation.bootstrap import gap
+from boom_mj.estimation.bootstrap import Closure, closure, gap
 from boom_mj.estimation.intervals import Z95, robust_variance
 from boom_mj.estimation.least_squares import OPTIONS
 from boom_mj.systems.system import Doubts, System
@@ -153,3 +153,20 @@ def alternatives(ends: Sequence[Scored], before: float) -> Scored:
 def _as_good(best: Scored, before: float) -> float:
     """What a size leaves in training that is as good as the best: more by the share that the model itself may."""
     return best.train + best.model.criteria.error_share * (before - 1)
+
+
+def held_out_closure(model: Linearisation, before: Array, after: Array) -> Closure:
+    """How much of a held-out gap went away between two whitened residuals, (N,)."""
+    rows = model.data.held_out
+    return closure(model.data.windows[rows], before[rows], after[rows])
+
+
+def simplest_gap(model: Linearisation, best: Scored | None) -> float | None:
+    """Held-out gap of the simplest model, without causes and with the best explanation, whichever is less."""
+    level = model.facts.fidelity.simplest
+    if level is None:
+        return None
+    hypotheses = [(), *([best.fit.effects] if best else [])]
+    said = model.predictor.predict(hypotheses, level)
+    left = [model.clean(model.noise.white(model.data.measured - one)) for one in said]
+    return min(gap(one, model.data.held_out) for one in left)

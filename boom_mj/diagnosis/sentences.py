@@ -39,6 +39,8 @@ def sentence(found: Diagnosis) -> str:
     if found.verdict == "consistent":
         return f"No gap beyond noise and model error: {before:.2f} on what was held out, 1 is the floor."
     where = in_words(locate(found.model, found.as_built))
+    if found.outliers and found.verdict == "unexplained":
+        return f"{_but_for(found)}. Without, no gap is left beyond noise and model error: {before:.2f}, 1 is the floor."
     if found.verdict == "unexplained":
         leaves = f"close {found.closure.value:.0%} and leave {found.best.held_out:.1f}" if found.best else ""
         tried = f"; {found.best.label} would {leaves}" if found.best else ""
@@ -59,7 +61,9 @@ def sentence(found: Diagnosis) -> str:
         text += ", and so would " + " or ".join(j.label for j in found.ties)
         if found.next_experiment:
             text += f"; {found.next_experiment} would tell them apart"
-    if found.verdict == "partial":
+    if found.outliers:
+        text += f" that is left without {' and '.join(part.name for part in found.outliers)}. {_but_for(found)}"
+    elif found.verdict == "partial":
         left = f"{found.best.held_out:.2f} is left" if found.best else ""
         text += f"; {left}, which {in_words(locate(found.model, found.residual)).replace('it is seen', 'is seen')}"
         if found.criteria.gain_z and (beside := _beside(found)):
@@ -68,6 +72,19 @@ def sentence(found: Diagnosis) -> str:
     if before > found.criteria.healthy_gap:
         text += f". Without it, {where}"
     return f"{text}.{_extended(found)}{_other_laws(found)}{_simulated(found)}{_unfinished(found)}"
+
+
+def _but_for(found: Diagnosis) -> str:
+    """What was left out, and what was found with it."""
+    names = " and ".join(part.name for part in found.outliers)
+    least = min(part.gap for part in found.outliers)
+    whole = found.with_outliers
+    with_it = f", or {whole.best.held_out:.1f} by {whole.best.label}" if whole and whole.best else ""
+    gap_of_all = gap(whole.as_built, whole.model.data.held_out) if whole else 0.0
+    return (
+        f"Nothing in the library makes {names} disagree with all else as they do, at least {least:.1f} times their "
+        f"noise: left out. With them the held-out gap is {gap_of_all:.1f}{with_it}"
+    )
 
 
 def _beside(found: Diagnosis) -> list[str]:

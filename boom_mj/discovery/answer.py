@@ -5,8 +5,8 @@ from importlib.metadata import version
 from typing import Any
 
 from boom_mj.diagnosis.answer import plain
-from boom_mj.diagnosis.diagnose import held_out_closure
 from boom_mj.diagnosis.named import brief
+from boom_mj.diagnosis.scoring import held_out_closure
 from boom_mj.discovery.discover import Discovery
 from boom_mj.discovery.forces import ForceInTime
 from boom_mj.discovery.search import FoundLaw

@@ -10,9 +10,8 @@ from threadpoolctl import threadpool_limits
 from boom_mj.diagnosis.candidate import Candidate, everywhere
 from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.decision import sure
-from boom_mj.diagnosis.diagnose import held_out_closure
 from boom_mj.diagnosis.linearisation import Linearisation, linearise
-from boom_mj.diagnosis.scoring import Scored
+from boom_mj.diagnosis.scoring import Scored, held_out_closure
 from boom_mj.diagnosis.screening import Screening, spectral_lines
 from boom_mj.diagnosis.stages import best_of_each, fit_all, refined, singles
 from boom_mj.discovery.forces import ForceInTime, forces_in_time

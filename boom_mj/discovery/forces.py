@@ -17,9 +17,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from boom_mj.diagnosis.clock import Clock
-from boom_mj.diagnosis.diagnose import held_out_closure
 from boom_mj.diagnosis.latent import UnitResponses, units_of
 from boom_mj.diagnosis.linearisation import Linearisation
+from boom_mj.diagnosis.scoring import held_out_closure
 from boom_mj.effects import ForceEffect, Motion, Site
 from boom_mj.estimation.bootstrap import Closure
 from boom_mj.estimation.latent_input import KNOT_S, make_part, posterior

@@ -53,6 +53,27 @@ class Dataset:
         """The same recordings; the first part of one more trains."""
         return replace(self, extended=self.extended | {index})
 
+    def hiding(self, rows: Array) -> "Dataset":
+        """The same recordings as if entries (N,) of bool had not been measured."""
+        measured = np.where(rows, np.nan, self.measured)
+        seen = (measured[self.stretch(k)] for k in range(len(self.channels)))
+        channels = tuple(replace(channel, measured=part) for channel, part in zip(self.channels, seen))
+        recordings = tuple(log.with_signals(self._without(k, rows)) for k, log in enumerate(self.recordings))
+        return replace(self, recordings=recordings, channels=channels)
+
+    def _without(self, index: int, rows: Array) -> dict[str, Signal]:
+        """Signals of a recording that have entries (N,) of bool, hidden."""
+        found: dict[str, Signal] = {}
+        for number, channel in enumerate(self.channels):
+            gone = channel.blocks[rows[self.stretch(number)]]
+            if channel.recording == index and gone.size:
+                signal = found.get(channel.signal, self.recordings[index][channel.signal])
+                values = signal.values.astype(float)
+                inside = np.isin(block_numbers(self.elapsed(index, channel.signal), self.block_s), gone)
+                values[inside, channel.column] = np.nan
+                found[channel.signal] = replace(signal, values=values)
+        return found
+
     def alone(self, index: int, since_s: float = 0.0) -> "Dataset":
         """One recording from a moment on, split in time."""
         own = self.of(index)

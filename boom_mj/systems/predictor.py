@@ -62,8 +62,15 @@ class Predictor:
 
     def extending(self, index: int) -> "Predictor":
         """With the first part of one more recording for training; what was simulated is known."""
+        return self._of(self.data.extending(index))
+
+    def hiding(self, rows: Array) -> "Predictor":
+        """As if entries (N,) of bool had not been measured; what was simulated is known."""
+        return self._of(self.data.hiding(rows))
+
+    def _of(self, data: Dataset) -> "Predictor":
         other = copy(self)
-        other.data = self.data.extending(index)
+        other.data = data
         return other
 
     @property

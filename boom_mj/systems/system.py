@@ -125,6 +125,7 @@ class ChannelPlace:
         sensor, part, direction: of the group; the direction is "" where there is but one.
         label: of the group, for people.
         place: the sensor at its part, for people.
+        device: that fails as one, as findings about data name it.
     """
 
     group: str
@@ -133,6 +134,7 @@ class ChannelPlace:
     direction: str
     label: str
     place: str
+    device: str
 
 
 class System(Protocol):

@@ -21,10 +21,10 @@ from boom_mj.diagnosis import (
     reasons,
 )
 from boom_mj.diagnosis.candidate import Candidate
-from boom_mj.diagnosis.diagnose import simplest_gap
 from boom_mj.diagnosis.fitting import fit, grid_starts
 from boom_mj.diagnosis.linearisation import linearise
 from boom_mj.diagnosis.localisation import locate
+from boom_mj.diagnosis.scoring import simplest_gap
 from boom_mj.effects import Effect, effect_library, make_effect, parse_effect
 from boom_mj.estimation.bootstrap import gap
 from boom_mj.machine import load_machine, parse_machine

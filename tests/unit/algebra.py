@@ -158,10 +158,14 @@ class Algebra:
         kind: by whose criteria it is diagnosed.
         oscillatory: whether it is said to vibrate.
         coarseness: error of a simulation per step of its level.
+        third: whether a third sensor says half the angle, whatever the cause.
     """
 
-    def __init__(self, kind: str = "boom", oscillatory: bool = True, coarseness: float = 0.0) -> None:
+    def __init__(
+        self, kind: str = "boom", oscillatory: bool = True, coarseness: float = 0.0, third: bool = False
+    ) -> None:
         self.coarseness = coarseness
+        self.sensors = ("first", "second", "third")[: 3 if third else 2]
         self.facts = SystemFacts(
             kind=kind,
             name="algebra",
@@ -169,7 +173,7 @@ class Algebra:
             correlation_s=CORRELATION_S,
             bands_hz=(("static", 0.2), ("above", np.inf)),
             fidelity=FidelityLadder(ROUGH, ROUGH, MIDDLE, (Refinement(FINE, 2.0, 1.0),), FINE),
-            noise={"first": np.array([SAID]), "second": np.array([SAID])},
+            noise={name: np.array([SAID]) for name in self.sensors},
             still=0.01,
             max_causes=2,
             wording=Wording(("rest", "motion"), "the first 60%", "finer steps", "offset"),
@@ -195,23 +199,25 @@ class Algebra:
 
     def simulate(self, hypothesis: Hypothesis, level: Level, log: Recording) -> dict[str, Signal]:
         angle = log["angle"].values[:, 0]
-        said = {1: angle + self.coarseness * level.step * np.cos(angle), 2: np.gradient(angle, TIME)}
+        said = {1: angle + self.coarseness * level.step * np.cos(angle), 2: np.gradient(angle, TIME), 3: angle / 2}
         for effect in hypothesis:
             assert isinstance(effect, Term)
             said[int(effect.location["sensor"])] += effect.adds(TIME, angle)
-        return {name: _signal(said[sensor], name) for sensor, name in ((1, "first"), (2, "second"))}
+        return {name: _signal(said[sensor], name) for sensor, name in enumerate(self.sensors, 1)}
 
     def observe(self, hypothesis: Hypothesis, dense: Mapping[str, Signal]) -> dict[str, Signal]:
         return dict(dense)
 
     def channel(self, signal: str, column: int) -> ChannelPlace:
-        return ChannelPlace(signal, "sensor", signal, "", signal, signal)
+        return ChannelPlace(signal, "sensor", signal, "", signal, signal, signal)
 
 
-def recorded(effects: Hypothesis, angle: Callable[[Array], Array], seed: int, coarseness: float = 0.0) -> Recording:
+def recorded(
+    effects: Hypothesis, angle: Callable[[Array], Array], seed: int, coarseness: float = 0.0, third: bool = False
+) -> Recording:
     """What a machine with effects would log of an angle in time, with noise."""
     log = Recording(f"log {seed}", "algebra", "", {"angle": _signal(angle(TIME), "angle")})
-    plant, noise = Algebra(coarseness=coarseness), np.random.default_rng(seed)
+    plant, noise = Algebra(coarseness=coarseness, third=third), np.random.default_rng(seed)
     said = plant.simulate(effects, Level(0.0), log)
     noisy = {n: replace(s, values=s.values + NOISE * noise.standard_normal(s.values.shape)) for n, s in said.items()}
     return log.with_signals(noisy)
@@ -239,11 +245,16 @@ def rest(time: Array) -> Array:
 
 
 def predictor(
-    effects: Hypothesis, motions: Sequence[Callable[[Array], Array]] = (swing, sweep), training: int = 1, **facts
+    effects: Hypothesis,
+    motions: Sequence[Callable[[Array], Array]] = (swing, sweep),
+    training: int = 1,
+    spoilt: Callable[[Recording], Recording] = lambda log: log,
+    **facts,
 ) -> Predictor:
     """Of recordings of a machine with effects, the first of them for training."""
     system = Algebra(**facts)
-    logs = [recorded(effects, motion, seed, system.coarseness) for seed, motion in enumerate(motions)]
+    third = len(system.sensors) > 2
+    logs = [spoilt(recorded(effects, motion, seed, system.coarseness, third)) for seed, motion in enumerate(motions)]
     return Predictor(system, dataset_of(system, logs, training), threads=1)
 
 

@@ -10,10 +10,9 @@ from boom_mj.diagnosis import Diagnosis
 from boom_mj.diagnosis.budget import odds
 from boom_mj.diagnosis.candidate import Candidate
 from boom_mj.diagnosis.criteria import BOOM as CRITERIA
-from boom_mj.diagnosis.diagnose import held_out_closure
 from boom_mj.diagnosis.fitting import Fit
 from boom_mj.diagnosis.linearisation import Linearisation
-from boom_mj.diagnosis.scoring import Scored
+from boom_mj.diagnosis.scoring import Scored, held_out_closure
 from boom_mj.diagnosis.screening import Screened
 from boom_mj.diagnosis.steps import ChannelSteps
 from boom_mj.effects import make_effect

@@ -1,7 +1,6 @@
 """Small numbers and signs that decide about answers, each where it is computed; `scripts/mutants.py` asked for them."""
 
 from dataclasses import replace
-from importlib import import_module
 from types import SimpleNamespace
 
 import numpy as np
@@ -113,10 +112,9 @@ def test_a_cause_is_needed_where_the_rest_leaves_much_more(monkeypatch: pytest.M
         squares = np.tile([left, 9.0, 2.5], (11, 1))
         monkeypatch.setattr(budget, "_mean_squares", lambda *given, squares=squares: squares)
         assert budget.needed(best, [best, rival], np.zeros(0), best.fit.effects[0]) == needed
-    stage = import_module("boom_mj.diagnosis.diagnose")
-    monkeypatch.setattr(stage, "needed", lambda best, scored, as_built, effect: effect.id == "end_hose")
-    assert stage.any_needed(scored(1.0, PAYLOAD, HOSE), [], np.zeros(0)) is True
-    assert stage.any_needed(best, [], np.zeros(0)) is False
+    monkeypatch.setattr(budget, "needed", lambda best, scored, as_built, effect: effect.id == "end_hose")
+    assert budget.any_needed(scored(1.0, PAYLOAD, HOSE), [], np.zeros(0)) is True
+    assert budget.any_needed(best, [], np.zeros(0)) is False
 
 
 def test_the_remainder_is_a_share_of_mean_squares(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -126,7 +124,9 @@ def test_the_remainder_is_a_share_of_mean_squares(monkeypatch: pytest.MonkeyPatc
     data = SimpleNamespace(held_out=None, recordings=())
     model = SimpleNamespace(data=data)
     shares = SimpleNamespace(remainder=SimpleNamespace(value=0.2))
-    found = SimpleNamespace(as_built=3.0, residual=2.0, not_trained={}, freed=(), model=model, budget=shares)
+    found = SimpleNamespace(
+        as_built=3.0, residual=2.0, not_trained={}, freed=(), model=model, budget=shares, outliers=()
+    )
     assert answer._remainder(found, False)["share"] == pytest.approx((4 - 1) / 9)
     assert answer._remainder(found, True)["share"] == 0.2
     assert answer._remainder(SimpleNamespace(**{**vars(found), "residual": 0.9}), False)["share"] == 0.0

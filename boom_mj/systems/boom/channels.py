@@ -9,7 +9,8 @@ SENSORS = {"specific_force": "accelerometer", "angular_rate": "gyroscope"}
 
 def channel_place(signal: str, column: int) -> ChannelPlace:
     """Of a signal's column."""
-    group = boom_group(signal, QUANTITIES[signal].channels[column])
+    channel = QUANTITIES[signal].channels[column]
+    group = boom_group(signal, channel)
     if group.startswith("imu/"):
         _, link, kind, direction = group.split("/")
         sensor = SENSORS[kind]
@@ -18,5 +19,6 @@ def channel_place(signal: str, column: int) -> ChannelPlace:
         sensor = "marker"
     else:
         sensor, link, direction = "cylinder", "link" + group[-1], "force"
+    device = "/".join(group.split("/")[:2]) if sensor in SENSORS.values() else f"{signal}/{channel.partition('/')[0]}"
     place = f"cylinder {link[-1]}" if sensor == "cylinder" else f"{sensor}, link {link[-1]}"
-    return ChannelPlace(group, sensor, link, direction, f"{place}, {direction}", place)
+    return ChannelPlace(group, sensor, link, direction, f"{place}, {direction}", place, device)

@@ -130,7 +130,8 @@ class MjcfSystem:
         entry = self.entries[signal]
         vector = entry.sensor and self.spec.sensor(entry.sensor).get_data_size() == 3
         direction = "xyz"[entry.component] if vector else ""
-        return ChannelPlace(signal, entry.what, entry.place, direction, signal, f"{entry.what}, {entry.place}")
+        place = f"{entry.what}, {entry.place}"
+        return ChannelPlace(signal, entry.what, entry.place, direction, signal, place, signal)
 
     def corrected(self, causes: Hypothesis, nuisances: Hypothesis = (), reasons: Reasons = NO_REASONS) -> str:
         """The MJCF text with effects in it; comments say why each is there, and which of them MJCF does not hold."""

@@ -1,0 +1,82 @@
+"""What no explanation fits where one fits all the rest is left out, said, and not explained."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from algebra import HUM, RAMP, SQUARE, TIME, causes, found, off
+from pytest import approx, mark
+
+from boom_mj.diagnosis import document
+from boom_mj.effects import Effect
+from boom_mj.recording import Recording
+
+Spoil = Callable[[Recording], Recording]
+KNOCK = (TIME > 71.0) & (TIME < 74.5)
+NAMES = ("first", "second", "third")
+
+
+def knocked(log: Recording, sensors: tuple[str, ...] = NAMES, name: str = "log 1") -> Recording:
+    """With a few seconds of one log in which sensors are shaken."""
+    shaken = {s: log[s].values + np.where(KNOCK, np.sin(9 * TIME), 0.0)[:, None] for s in sensors if s in log}
+    return log.with_signals({s: replace(log[s], values=v) for s, v in shaken.items()}) if log.name == name else log
+
+
+def loose(log: Recording) -> Recording:
+    """With a third sensor that wanders."""
+    signal = log["third"]
+    return log.with_signals({"third": replace(signal, values=signal.values + 0.3 * np.sin(0.05 * TIME**1.3)[:, None])})
+
+
+@mark.usefixtures("library")
+@mark.parametrize("oscillatory", [True, False])
+@mark.parametrize("true", [(SQUARE,), (SQUARE, HUM)], ids=["one", "two"])
+@mark.parametrize("where", ["log 0", "log 1"], ids=["training", "held out"])
+def test_a_knock_does_not_outvote_the_rest(true: tuple[Effect, ...], where: str, oscillatory: bool) -> None:
+    answer = found(*true, spoilt=lambda log: knocked(log, name=where), oscillatory=oscillatory)
+    assert answer.verdict == "partial" and all(answer.sure)
+    assert causes(answer) == {effect.cause for effect in true}
+    assert all(abs(off(answer, one)) < 3 for one in true)
+    (part,) = answer.outliers
+    assert part.name == f"all sensors of {where} from 71 to 75 s" and part.gap > 10
+    assert answer.with_outliers is not None and answer.with_outliers.verdict in ("partial", "unexplained")
+
+
+@mark.usefixtures("library")
+def test_a_sensor_is_outvoted_by_the_others() -> None:
+    answer = found(SQUARE, spoilt=loose, third=True)
+    assert answer.verdict == "partial" and causes(answer) == {SQUARE.cause}
+    (part,) = answer.outliers
+    assert part.name == "third" and part.whole and part.gap > 5
+    said = document(answer, ["a", "b"])
+    assert [(row["log"], row["channel"], row["kind"], row["used"]) for row in said["data"]] == [
+        (log, "third", "outlying", False) for log in ("log 0", "log 1")
+    ]
+    assert "Nothing in the library makes third disagree" in said["sentence"]
+    assert said["with_outliers"]["verdict"] != "explained"
+    assert sum(row["share"] for row in said["budget"]) + said["remainder"]["share"] + said["floor_share"] == approx(1)
+
+
+@mark.usefixtures("library")
+def test_without_a_cause_an_outlier_is_named_and_nothing_else() -> None:
+    answer = found(spoilt=loose, third=True)
+    assert (answer.verdict, answer.best, [part.name for part in answer.outliers]) == ("unexplained", None, ["third"])
+    assert answer.odds.outside_library > 0.9 and answer.odds.none == 0.0
+    assert document(answer, ["a", "b"])["probability"] > 0.9
+
+
+@mark.usefixtures("library")
+def test_of_two_sensors_neither_is_outvoted() -> None:
+    def wanders(log: Recording) -> Recording:
+        values = log["second"].values + 0.3 * np.sin(0.05 * TIME**1.3)[:, None]
+        return log.with_signals({"second": replace(log["second"], values=values)})
+
+    answer = found(spoilt=wanders)
+    assert answer.verdict == "unexplained" and not answer.outliers
+
+
+@mark.usefixtures("library")
+def test_a_cause_that_is_withheld_is_no_outlier() -> None:
+    """What shows all the time, or in several sensors, is the machine."""
+    answer = found(RAMP, SQUARE, without=("ramp", "square"), third=True)
+    assert answer.verdict in ("partial", "unexplained") and not answer.outliers
