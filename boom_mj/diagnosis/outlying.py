@@ -1,11 +1,11 @@
 """Outliers: a sensor, or a few seconds of a recording, that no explanation fits where one fits all the rest.
 
-Squares rule least squares: one loose plug, one push at the boom outvote all other sensors. Before nothing is said to
-explain a gap, its excess above noise is looked at: where one part of the data holds most of it, the search is made anew
-without. That part is not explained, whatever the rest says.
+Squares let one loose plug, or one knock at the boom, outvote all other sensors. Where a search ends without an
+explanation and one part of the data holds most of the gap's excess above noise, it is made anew without that part. The
+part itself stays unexplained, whatever the rest says.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,25 +23,31 @@ MAJORITY = 3  # sensors at least, for one of them to be outvoted
 
 
 @dataclass(frozen=True, eq=False)
-class Outlier:
-    """A part of the data.
+class _Part:
+    """Of the data.
 
     Attributes:
         device: the sensor that is meant, "" for all.
-        rows: its entries, (N,) of bool.
-        data: whose entries.
-        gap: what every explanation leaves of it at least.
+        rows: entries, (N,) of bool.
+        whole: whether all is meant that the sensor says.
     """
 
     device: str
     rows: Array
+    whole: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Outlier(_Part):
+    """Such a part.
+
+    Attributes:
+        data: whose entries.
+        gap: what every explanation leaves of it at least.
+    """
+
     data: Dataset
     gap: float
-
-    @property
-    def whole(self) -> bool:
-        """Whether a sensor is meant in all recordings."""
-        return len(self.spans) == len(self.data.recordings)
 
     @property
     def spans(self) -> dict[int, tuple[float, float]]:
@@ -62,13 +68,13 @@ class Outlier:
     @property
     def findings(self) -> list[DataFinding]:
         """One of every recording."""
-        evidence = f"is {self.gap:.1f} times its noise off, whatever explains the rest"
-        return [
-            DataFinding(
-                self.data.recordings[k].name, self.device, "outlying", a, b, evidence, Action.LEFT_OUT, used=False
-            )
-            for k, (a, b) in self.spans.items()
-        ]
+        findings = []
+        for index, (begin, end) in self.spans.items():
+            when = "" if self.whole else f"from {begin:.1f} to {end:.1f} s "
+            text = f"is {when}at least {self.gap:.1f} times its noise off, whatever explains the rest"
+            log = self.data.recordings[index].name
+            findings.append(DataFinding(log, self.device, "outlying", begin, end, text, Action.LEFT_OUT, used=False))
+        return findings
 
 
 def outlying(model: Linearisation, as_built: Array, scored: Sequence[Scored]) -> Outlier | None:
@@ -78,39 +84,41 @@ def outlying(model: Linearisation, as_built: Array, scored: Sequence[Scored]) ->
         as_built: whitened residual of the machine as built, (N,).
         scored: explanations that were tried.
     """
-    data, before = model.data, gap(as_built, model.data.held_out)
+    data, criteria, before = model.data, model.criteria, gap(as_built, model.data.held_out)
     residuals = [as_built, *(one.fit.residual for one in scored)]
-    parts = []
+    parts: list[tuple[float, _Part]] = []
     for residual in residuals:
-        for device, rows in _suspects(model, residual):
-            rest = data.used & ~rows
-            excess = [float(np.sum(residual[some] ** 2 - 1)) for some in (rows, data.used)]
+        for part in _suspects(model, residual):
+            rest = data.used & ~part.rows
+            own, all_of_it = (float(np.sum(residual[some] ** 2 - 1)) for some in (part.rows, data.used))
             left = max(gap(residual, rest & data.train), gap(residual, rest & data.held_out))
-            if excess[0] > model.criteria.main_share * excess[1] and left <= near(model, before):
-                parts.append((left, device, rows))
-    for _, device, rows in sorted(parts, key=lambda part: part[0])[:1]:
-        least = min(gap(residual, rows) for residual in residuals)
-        tells = len(np.unique(data.windows[data.held_out & ~rows])) >= FEWEST
-        if tells and least > model.criteria.near_noise_gap:
-            return Outlier(device, rows, data, least)
+            if own > criteria.main_share * all_of_it and left <= near(model, before):
+                parts.append((left, part))
+    best = min((left for left, _ in parts), default=0.0)
+    alike = [part for left, part in parts if left - best <= criteria.tie_closure * (before - 1)]
+    for part in sorted(alike, key=lambda part: part.rows.sum())[:1]:
+        least = min(gap(residual, part.rows) for residual in residuals)
+        tells = len(np.unique(data.windows[data.held_out & ~part.rows])) >= FEWEST
+        if tells and least > criteria.near_noise_gap:
+            return Outlier(part.device, part.rows, part.whole, data, least)
     return None
 
 
-def _suspects(model: Linearisation, residual: Array) -> list[tuple[str, Array]]:
+def _suspects(model: Linearisation, residual: Array) -> Iterator[_Part]:
     """The sensor with most excess, and the recording's moments: of either those that are off, if they are but few."""
-    data, found = model.data, []
-    devices, number = np.unique(
-        [model.system.channel(c.signal, c.column).device for c in data.channels], return_inverse=True
-    )
+    data, channels = model.data, model.data.channels
+    devices = [model.system.channel(channel.signal, channel.column).device for channel in channels]
+    names, number = np.unique(devices, return_inverse=True)
     excess = np.where(data.used, residual**2 - 1, 0.0)
-    if len(devices) >= MAJORITY:
+    if len(names) >= MAJORITY:
         worst = int(np.argmax(np.bincount(number[data.channel_of], excess)))
         own = data.used & (number[data.channel_of] == worst)
         few = _off(model, residual, own)
-        found.append((str(devices[worst]), own if few is None else few))
+        yield _Part(str(names[worst]), own if few is None else few, few is None)
     index = int(np.argmax(np.bincount(data.recording_of, excess)))
     few = _off(model, residual, data.used & (data.recording_of == index))
-    return found if few is None else [*found, ("", few)]
+    if few is not None:
+        yield _Part("", few, False)
 
 
 def _off(model: Linearisation, residual: Array, rows: Array) -> Array | None:

@@ -76,14 +76,13 @@ def sentence(found: Diagnosis) -> str:
 
 def _but_for(found: Diagnosis) -> str:
     """What was left out, and what was found with it."""
-    names = " and ".join(part.name for part in found.outliers)
+    names, whole = " and ".join(part.name for part in found.outliers), found.with_outliers
     least = min(part.gap for part in found.outliers)
-    whole = found.with_outliers
-    with_it = f", or {whole.best.held_out:.1f} by {whole.best.label}" if whole and whole.best else ""
-    gap_of_all = gap(whole.as_built, whole.model.data.held_out) if whole else 0.0
+    before = gap(whole.as_built, whole.model.data.held_out) if whole else float("nan")
+    left = f", of which {whole.best.label} leaves {whole.best.held_out:.1f}" if whole and whole.best else ""
     return (
-        f"Nothing in the library makes {names} disagree with all else as they do, at least {least:.1f} times their "
-        f"noise: left out. With them the held-out gap is {gap_of_all:.1f}{with_it}"
+        f"Nothing in the library explains {names}, at least {least:.1f} times the noise off: left out. "
+        f"With that the held-out gap is {before:.1f}{left}"
     )
 
 

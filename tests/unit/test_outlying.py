@@ -52,7 +52,7 @@ def test_a_sensor_is_outvoted_by_the_others() -> None:
     assert [(row["log"], row["channel"], row["kind"], row["used"]) for row in said["data"]] == [
         (log, "third", "outlying", False) for log in ("log 0", "log 1")
     ]
-    assert "Nothing in the library makes third disagree" in said["sentence"]
+    assert "Nothing in the library explains third, at least" in said["sentence"]
     assert said["with_outliers"]["verdict"] != "explained"
     assert sum(row["share"] for row in said["budget"]) + said["remainder"]["share"] + said["floor_share"] == approx(1)
 
@@ -80,3 +80,11 @@ def test_a_cause_that_is_withheld_is_no_outlier() -> None:
     """What shows all the time, or in several sensors, is the machine."""
     answer = found(RAMP, SQUARE, without=("ramp", "square"), third=True)
     assert answer.verdict in ("partial", "unexplained") and not answer.outliers
+
+
+@mark.usefixtures("library")
+@mark.parametrize(("shaken", "name"), [(("third",), "third"), (NAMES, "all sensors")], ids=["one", "all"])
+def test_no_more_is_left_out_than_is_off(shaken: tuple[str, ...], name: str) -> None:
+    answer = found(SQUARE, spoilt=lambda log: knocked(log, shaken), third=True)
+    (part,) = answer.outliers
+    assert part.name == f"{name} of log 1 from 71 to 75 s" and not part.whole
