@@ -10,6 +10,7 @@ from boom_mj.diagnosis.diagnose import Diagnosis
 from boom_mj.diagnosis.localisation import in_words, locate, looks_like
 from boom_mj.diagnosis.named import described, named_as_causes, probability_of_all, sized
 from boom_mj.diagnosis.predictions import estimated_nuisances, nuisances
+from boom_mj.diagnosis.readings import outlier_findings
 from boom_mj.diagnosis.sentences import other_laws, rival, sentence
 from boom_mj.diagnosis.steps import ChannelSteps, nuisance_sizes
 from boom_mj.estimation.bootstrap import gap
@@ -81,7 +82,7 @@ def document(
         "budget": budget,
         "remainder": remainder,
         "floor_share": 1 - sum(row["share"] for row in budget) - (remainder or {"share": 0.0})["share"],
-        "data": [finding.document() for finding in (*findings, *_outlying(found))],
+        "data": [finding.document() for finding in (*findings, *outlier_findings(found))],
         "with_outliers": _with_outliers(found),
         "complete": not found.skipped,
         "skipped": list(found.skipped),
@@ -113,10 +114,6 @@ def _with_former_names(answer: dict[str, Any]) -> dict[str, Any]:
         "unexplained": left and {**left, "learn_from": left["train_with"]},
         "provenance": {**made, "recordings": recordings, **({"hinges": {**hinges, **former}} if hinges else {})},
     }
-
-
-def _outlying(found: Diagnosis) -> list[DataFinding]:
-    return [finding for part in found.outliers for finding in part.findings]
 
 
 def _with_outliers(found: Diagnosis) -> dict[str, Any] | None:

@@ -65,13 +65,12 @@ class Outlier(_Part):
         device = self.device or "all sensors"
         return device if self.whole else f"{device} of {' and '.join(times)}"
 
-    @property
-    def findings(self) -> list[DataFinding]:
-        """One of every recording."""
+    def findings(self, reads: str) -> list[DataFinding]:
+        """One of every recording, with what is known of its readings."""
         findings = []
         for index, (begin, end) in self.spans.items():
             when = "" if self.whole else f"from {begin:.1f} to {end:.1f} s "
-            text = f"is {when}at least {self.gap:.1f} times its noise off, whatever explains the rest"
+            text = f"is {when}at least {self.gap:.1f} times its noise off, whatever explains the rest{reads}"
             log = self.data.recordings[index].name
             findings.append(DataFinding(log, self.device, "outlying", begin, end, text, Action.LEFT_OUT, used=False))
         return findings

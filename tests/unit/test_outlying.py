@@ -88,3 +88,20 @@ def test_no_more_is_left_out_than_is_off(shaken: tuple[str, ...], name: str) -> 
     answer = found(SQUARE, spoilt=lambda log: knocked(log, shaken), third=True)
     (part,) = answer.outliers
     assert part.name == f"{name} of log 1 from 71 to 75 s" and not part.whole
+
+
+@mark.usefixtures("library")
+def test_a_gain_and_an_offset_of_a_sensor_are_said() -> None:
+    def weak(log: Recording) -> Recording:
+        values = 0.7 * log["third"].values + 0.02
+        return log.with_signals({"third": replace(log["third"], values=values)})
+
+    (first, second) = document(found(SQUARE, spoilt=weak, third=True), ["a", "b"])["data"]
+    assert "third/third reads 0.7 times what that says +0.02, which leaves 0." in first["evidence"]
+    assert first["evidence"] == second["evidence"]
+
+
+@mark.usefixtures("library")
+def test_what_is_no_gain_is_not_said() -> None:
+    first, _ = document(found(SQUARE, spoilt=loose, third=True), ["a", "b"])["data"]
+    assert first["evidence"].endswith("whatever explains the rest")
