@@ -115,14 +115,13 @@ def tried(task: Task) -> dict[str, Any]:
     names, began = [log.name for log in spoiled.logs], time.process_time()
     checked = checked_data(BoomSystem(MACHINE), spoiled.logs, spoiled.training, names)
     said = document(diagnose(Predictor(BoomSystem(MACHINE), checked.data, threads=1)), checked.names, checked.findings)
-    spoilt_logs, places = (
-        {names[k] for k in fault.logs},
-        [f"{row['kind']} at {row['channel'] or 'the log'}" for row in said["data"]],
-    )
+    places = [f"{row['kind']} at {row['channel'] or 'the log'}" for row in said["data"]]
+    spoilt = {names[k] for k in fault.logs}
+    told = [row for row in said["data"] if row["kind"] in fault.kinds and row["log"] in spoilt]
     true = json.loads((task.case / "truth.json").read_text())["effects"]
     return {
         "number": task.number, "case": task.case.name, "fault": f"{fault.name}: {fault.channels[0] or 'all sensors'}",
-        "found": any(at(row["channel"], fault) and row["log"] in spoilt_logs for row in said["data"]),
+        "found": any(at(row["channel"], fault) for row in told),
         "data": sorted(set(places)), "verdict": said["verdict"], "truth": [e for e in true if e["id"] != "none"],
         "effects": said["effects"], "with": said["with_outliers"] and said["with_outliers"]["verdict"],
         "sentence": said["sentence"], "cpu_s": time.process_time() - began,

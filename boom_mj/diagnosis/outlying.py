@@ -16,6 +16,7 @@ from boom_mj.diagnosis.scoring import Scored
 from boom_mj.estimation.bootstrap import gap
 from boom_mj.estimation.dataset import Dataset
 from boom_mj.estimation.intervals import FEWEST
+from boom_mj.estimation.least_squares import OPTIONS
 from boom_mj.replay.quality import Action, DataFinding
 
 Array = np.ndarray
@@ -86,13 +87,17 @@ def outlying(model: Linearisation, as_built: Array, scored: Sequence[Scored]) ->
     data, criteria, before = model.data, model.criteria, gap(as_built, model.data.held_out)
     residuals = [as_built, *(one.fit.residual for one in scored)]
     parts: list[tuple[float, _Part]] = []
-    for residual in residuals:
+    for residual, found in zip(residuals, [None, *scored]):
         for part in _suspects(model, residual):
-            rest = data.used & ~part.rows
-            own, all_of_it = (float(np.sum(residual[some] ** 2 - 1)) for some in (part.rows, data.used))
-            left = max(gap(residual, rest & data.train), gap(residual, rest & data.held_out))
-            if own > criteria.main_share * all_of_it and left <= near(model, before):
-                parts.append((left, part))
+            looks = [(residual, data.used)]
+            if found:
+                looks.append((_refitted(found, data.train & ~part.rows), data.train))
+            for left, rows in looks:
+                rest = rows & ~part.rows
+                own, all_of_it = (max(np.sum(left[some] ** 2 - 1), 0.0) for some in (rows & part.rows, rows))
+                worst = np.nanmax([gap(left, rest & data.train), gap(left, rest & data.held_out)])
+                if own > criteria.main_share * all_of_it and worst <= near(model, before):
+                    parts.append((float(worst), part))
     best = min((left for left, _ in parts), default=0.0)
     alike = [part for left, part in parts if left - best <= criteria.tie_closure * (before - 1)]
     for part in sorted(alike, key=lambda part: part.rows.sum())[:1]:
@@ -101,6 +106,15 @@ def outlying(model: Linearisation, as_built: Array, scored: Sequence[Scored]) ->
         if tells and least > criteria.near_noise_gap:
             return Outlier(part.device, part.rows, part.whole, data, least)
     return None
+
+
+def _refitted(found: Scored, rows: Array) -> Array:
+    """The residual of a fit, (N,), as a fit to some of its training rows, (N,) of bool, would leave it in training."""
+    posterior, jacobian = found.model.posterior, found.fit.jacobian
+    felt = posterior.project(jacobian, np.ones(len(posterior.some), bool))  # while nuisances follow
+    own = felt[rows].astype(float)
+    information = own.T @ own + np.eye(own.shape[1]) / OPTIONS.prior**2
+    return found.fit.residual - felt @ np.linalg.solve(information, own.T @ found.fit.residual[rows])
 
 
 def _suspects(model: Linearisation, residual: Array) -> Iterator[_Part]:

@@ -34,6 +34,11 @@ class Term(Effect):
     needs = frozenset({"algebra"})
     table = {"size": Parameter("1", 0.0, -5.0, 5.0, 0.05)}
 
+    @property
+    def sensors(self) -> tuple[int, ...]:
+        """Numbers of those that say it."""
+        return (int(self.location["sensor"]),)
+
     def shape(self, time: Array, angle: Array) -> Array:
         """(n,) of an angle (n,) at times."""
         raise NotImplementedError
@@ -78,6 +83,19 @@ class Hum(Term):
 
     def shape(self, time: Array, angle: Array) -> Array:
         return np.sin(2 * np.pi * 0.9 * time)
+
+
+class Common(Term):
+    """What all sensors say alike."""
+
+    id = "common"
+
+    def shape(self, time: Array, angle: Array) -> Array:
+        return np.cos(0.7 * time)
+
+    @property
+    def sensors(self) -> tuple[int, ...]:
+        return 1, 2, 3
 
 
 class Likeness(Term):
@@ -143,7 +161,7 @@ class Tone(Term):
 
 
 LIBRARY: Mapping[str, type[Effect]] = {
-    kind.id: kind for kind in (Offset, Square, Cube, Ramp, Hum, Likeness, Late, Broken, Gust)
+    kind.id: kind for kind in (Offset, Square, Cube, Ramp, Hum, Common, Likeness, Late, Broken, Gust)
 }
 
 
@@ -202,7 +220,8 @@ class Algebra:
         said = {1: angle + self.coarseness * level.step * np.cos(angle), 2: np.gradient(angle, TIME), 3: angle / 2}
         for effect in hypothesis:
             assert isinstance(effect, Term)
-            said[int(effect.location["sensor"])] += effect.adds(TIME, angle)
+            for sensor in effect.sensors:
+                said[sensor] += effect.adds(TIME, angle)
         return {name: _signal(said[sensor], name) for sensor, name in enumerate(self.sensors, 1)}
 
     def observe(self, hypothesis: Hypothesis, dense: Mapping[str, Signal]) -> dict[str, Signal]:

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from algebra import HUM, RAMP, SQUARE, TIME, causes, found, off
+from algebra import HUM, RAMP, SQUARE, TIME, Common, Ramp, causes, found, off, term
 from pytest import approx, mark
 
 from boom_mj.diagnosis import document
@@ -105,3 +105,17 @@ def test_a_gain_and_an_offset_of_a_sensor_are_said() -> None:
 def test_what_is_no_gain_is_not_said() -> None:
     first, _ = document(found(SQUARE, spoilt=loose, third=True), ["a", "b"])["data"]
     assert first["evidence"].endswith("whatever explains the rest")
+
+
+def test_a_sensor_that_pulls_at_the_sizes_is_outvoted(library: Callable[..., None]) -> None:
+    """Three times what the others say is two thirds too much for all of them, and then all are off."""
+    library(Common, Ramp)
+    true = term(Common, 1, 0.5)
+
+    def thrice(log: Recording) -> Recording:
+        more = 2 * true.adds(TIME, log["angle"].values[:, 0])
+        return log.with_signals({"third": replace(log["third"], values=log["third"].values + more[:, None])})
+
+    answer = found(true, spoilt=thrice, third=True)
+    assert answer.verdict == "partial" and [part.name for part in answer.outliers] == ["third"]
+    assert causes(answer) == {true.cause} and abs(off(answer, true)) < 3
