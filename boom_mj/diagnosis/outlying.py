@@ -85,6 +85,7 @@ def outlying(model: Linearisation, as_built: Array, scored: Sequence[Scored]) ->
         scored: explanations that were tried.
     """
     data, criteria, before = model.data, model.criteria, gap(as_built, model.data.held_out)
+    most = near(model, before) if criteria.gain_z else np.inf  # what never reaches the floor will not then
     residuals = [as_built, *(one.fit.residual for one in scored)]
     parts: list[tuple[float, _Part]] = []
     for residual, found in zip(residuals, [None, *scored]):
@@ -96,7 +97,7 @@ def outlying(model: Linearisation, as_built: Array, scored: Sequence[Scored]) ->
                 rest = rows & ~part.rows
                 own, all_of_it = (max(np.sum(left[some] ** 2 - 1), 0.0) for some in (rows & part.rows, rows))
                 worst = np.nanmax([gap(left, rest & data.train), gap(left, rest & data.held_out)])
-                if own > criteria.main_share * all_of_it and worst <= near(model, before):
+                if own > (1 - model.budget.far) * all_of_it and worst <= most:
                     parts.append((float(worst), part))
     best = min((left for left, _ in parts), default=0.0)
     alike = [part for left, part in parts if left - best <= criteria.tie_closure * (before - 1)]
