@@ -13,7 +13,7 @@ from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.criteria import Criteria
 from boom_mj.diagnosis.decision import choose, explains, solved, sure, ties_with, useful
 from boom_mj.diagnosis.linearisation import Linearisation, linearise
-from boom_mj.diagnosis.outlying import Outlier, outlying
+from boom_mj.diagnosis.outlying import MOST, Outlier, outlying
 from boom_mj.diagnosis.scoring import Scored, held_out_closure, simplest_gap
 from boom_mj.diagnosis.screening import Screened, Screening, spectral_lines
 from boom_mj.diagnosis.stages import combined, refined, singles
@@ -173,7 +173,8 @@ def _of_most(
     found = _diagnose(predictor, without, clock, most, lambda so_far: keep(so_far.but_for(outliers, whole)))
     if found.verdict not in ("partial", "unexplained"):
         return found.but_for(outliers, whole)
-    whole, part = whole or found, outlying(found.model, found.as_built, found.scored)
+    whole = whole or found
+    part = outlying(found.model, found.as_built, found.scored) if len(outliers) < MOST else None
     if part is None or clock.over(f"the rest without {part.name}"):
         return whole
     clock.tell(f"{part.name} disagrees with all else; without that")

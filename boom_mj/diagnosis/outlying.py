@@ -20,6 +20,7 @@ from boom_mj.estimation.least_squares import OPTIONS
 from boom_mj.replay.quality import Action, DataFinding
 
 Array = np.ndarray
+MOST = 2  # parts that are left out: each costs a search, and what needs more is no outlier
 MAJORITY = 3  # sensors at least, for one of them to be outvoted
 
 

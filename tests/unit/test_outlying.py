@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from algebra import HUM, RAMP, SQUARE, TIME, Common, Ramp, causes, found, off, term
+from algebra import HUM, RAMP, SQUARE, TIME, Common, Ramp, causes, found, off, sweep, swing, term
 from pytest import approx, mark
 
 from boom_mj.diagnosis import document
@@ -16,9 +16,9 @@ KNOCK = (TIME > 71.0) & (TIME < 74.5)
 NAMES = ("first", "second", "third")
 
 
-def knocked(log: Recording, sensors: tuple[str, ...] = NAMES, name: str = "log 1") -> Recording:
+def knocked(log: Recording, sensors: tuple[str, ...] = NAMES, name: str = "log 1", size: float = 1.0) -> Recording:
     """With a few seconds of one log in which sensors are shaken."""
-    shaken = {s: log[s].values + np.where(KNOCK, np.sin(9 * TIME), 0.0)[:, None] for s in sensors if s in log}
+    shaken = {s: log[s].values + np.where(KNOCK, size * np.sin(9 * TIME), 0.0)[:, None] for s in sensors if s in log}
     return log.with_signals({s: replace(log[s], values=v) for s, v in shaken.items()}) if log.name == name else log
 
 
@@ -119,3 +119,15 @@ def test_a_sensor_that_pulls_at_the_sizes_is_outvoted(library: Callable[..., Non
     answer = found(true, spoilt=thrice, third=True)
     assert answer.verdict == "partial" and [part.name for part in answer.outliers] == ["third"]
     assert causes(answer) == {true.cause} and abs(off(answer, true)) < 3
+
+
+@mark.usefixtures("library")
+@mark.parametrize(("count", "verdict"), [(2, "partial"), (3, "unexplained")])
+def test_few_parts_are_left_out(count: int, verdict: str) -> None:
+    sizes = {f"log {k}": 0.4**k for k in range(1, 1 + count)}
+
+    def knocked_often(log: Recording) -> Recording:
+        return knocked(log, name=log.name, size=sizes.get(log.name, 0.0))
+
+    answer = found(SQUARE, spoilt=knocked_often, motions=(swing, sweep, swing, sweep))
+    assert (answer.verdict, len(answer.outliers)) == (verdict, count if verdict == "partial" else 0)
