@@ -4,9 +4,9 @@
 
 CASES holds CASE/train, CASE/holdout and CASE/truth.json, the one effect of a machine or none. A set is a case with one
 fault of random kind, place and size: a knock of 2 to 4 s in one log, at one sensor or all; a gain; a wandering channel;
-an IMU that is late against the others. The seed is the SHA-256 of the commit's id and "outliers". A set is answered
-well where the outlier is named at its sensor and the machine's effect too, its sizes in their intervals; of a sound
-machine nothing may be named. Results are kept line by line in FILE.jsonl, and a second call goes on.
+an IMU that is late against the others. The seed is the SHA-256 of the commit's id and "outliers". Counted are outliers
+that are named at their sensor, sets of which the effect is named and no other (of a sound machine none), and sizes of
+effects that are in their intervals. Results are kept line by line in FILE.jsonl, and a second call goes on.
 """
 
 import argparse
@@ -131,16 +131,22 @@ def tried(task: Task) -> dict[str, Any]:
 def table(rows: list[dict[str, Any]]) -> str:
     """Set by set, as Markdown."""
     lines = ["| set | case | fault | found | truth | verdict | named | CPU s |", "|" + "---|" * 8]
-    good = found = 0
+    good, found, held = 0, 0, list[bool]()
     for row in sorted(rows, key=lambda row: row["number"]):
         true, named = ([(e["id"], e["location"]) for e in row[key]] for key in ("truth", "effects"))
         good, found = good + (true == named), found + row["found"]
+        held += [
+            size["low"] <= true_one["magnitude"][name] <= size["high"]
+            for true_one, one in zip(row["truth"], row["effects"])
+            if true == named
+            for name, size in one["parameters"].items()
+            if name in true_one["magnitude"]
+        ]
         words = (" + ".join(one for one, _ in effects) or "none" for effects in (true, named))
         cells = (row["case"], row["fault"], ", ".join(row["data"]) or "-", next(words), row["verdict"], next(words))
         lines.append(f"| {row['number']} | {' | '.join(cells)} | {row['cpu_s']:.0f} |")
-    return "\n".join(
-        [*lines, "", f"Faults found at their sensor: {found} of {len(rows)}; effects named, and no other: {good}."]
-    )
+    counts = f"Faults found at their sensor: {found} of {len(rows)}; effects named, and no other: {good}"
+    return "\n".join([*lines, "", f"{counts}; sizes in their intervals: {sum(held)} of {len(held)}."])
 
 
 def main() -> None:

@@ -49,16 +49,14 @@ def document(
     }
     listed = [vars(cell) for cell in cells if cell.share >= found.criteria.shown_share]
     rest = 1 - sum(cell["share"] for cell in listed)
-    causes = described(found) if best else []
-    named = named_as_causes(found)
-    budget = _budget(found) if any(named) else []
+    causes = _causes(found)
+    budget = _budget(found) if causes["effects"] else []
     remainder = None if found.solved or found.verdict == "consistent" else _remainder(found, bool(budget))
     answer = {
         "verdict": found.verdict,
         "sentence": sentence(found),
         "probability": probability_of_all(found),
-        "effects": [cause for cause, so in zip(causes, named) if so],
-        "suspect": [cause for cause, so in zip(causes, named) if not so],
+        **causes,
         "others": {
             "outside_library": found.odds.outside_library,
             "none": found.odds.none,
@@ -121,10 +119,13 @@ def _with_outliers(found: Diagnosis) -> dict[str, Any] | None:
     whole = found.with_outliers
     if whole is None:
         return None
-    causes, named = described(whole) if whole.best else [], named_as_causes(whole)
+    return {"verdict": whole.verdict, "sentence": sentence(whole), **_causes(whole)}
+
+
+def _causes(found: Diagnosis) -> dict[str, list[dict[str, Any]]]:
+    """Effects that the verdict names, and suspects."""
+    causes, named = described(found) if found.best else [], named_as_causes(found)
     return {
-        "verdict": whole.verdict,
-        "sentence": sentence(whole),
         "effects": [cause for cause, so in zip(causes, named) if so],
         "suspect": [cause for cause, so in zip(causes, named) if not so],
     }

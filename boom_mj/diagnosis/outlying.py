@@ -63,7 +63,7 @@ class Outlier(_Part):
     @property
     def name(self) -> str:
         """In words."""
-        times = (f"{self.data.recordings[k].name} from {a:.0f} to {b:.0f} s" for k, (a, b) in self.spans.items())
+        times = (f"{self.data.recordings[k].name} from {a:.4g} to {b:.4g} s" for k, (a, b) in self.spans.items())
         device = self.device or "all sensors"
         return device if self.whole else f"{device} of {' and '.join(times)}"
 
@@ -86,7 +86,7 @@ def outlying(model: Linearisation, as_built: Array, scored: Sequence[Scored]) ->
         scored: explanations that were tried.
     """
     data, criteria, before = model.data, model.criteria, gap(as_built, model.data.held_out)
-    most = near(model, before) if criteria.gain_z else np.inf  # what never reaches the floor will not then
+    most = near(model, before) if criteria.gain_z else np.inf  # what never reaches the floor is not solved else
     residuals = [as_built, *(one.fit.residual for one in scored)]
     parts: list[tuple[float, _Part]] = []
     for residual, found in zip(residuals, [None, *scored]):
@@ -95,14 +95,15 @@ def outlying(model: Linearisation, as_built: Array, scored: Sequence[Scored]) ->
             if found:
                 looks.append((_refitted(found, data.train & ~part.rows), data.train))
             for left, rows in looks:
-                rest = rows & ~part.rows
-                own, all_of_it = (max(np.sum(left[some] ** 2 - 1), 0.0) for some in (rows & part.rows, rows))
-                worst = np.nanmax([gap(left, rest & data.train), gap(left, rest & data.held_out)])
-                if own > (1 - model.budget.far) * all_of_it and worst <= most:
-                    parts.append((float(worst), part))
+                off, rest = rows & part.rows, rows & ~part.rows
+                own, all_of_it = (float(np.sum(left[some] ** 2 - 1)) for some in (off, rows))
+                worst = float(np.nanmax([gap(left, rest & data.train), gap(left, rest & data.held_out)]))
+                holds = gap(left, off) > criteria.near_noise_gap and own > (1 - model.budget.far) * all_of_it
+                if holds and worst <= most:
+                    parts.append((worst, part))
     best = min((left for left, _ in parts), default=0.0)
     alike = [part for left, part in parts if left - best <= criteria.tie_closure * (before - 1)]
-    for part in sorted(alike, key=lambda part: part.rows.sum())[:1]:
+    for part in sorted(alike, key=lambda part: part.rows.sum()):
         least = min(gap(residual, part.rows) for residual in residuals)
         tells = len(np.unique(data.windows[data.held_out & ~part.rows])) >= FEWEST
         if tells and least > criteria.near_noise_gap:
