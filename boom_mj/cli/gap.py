@@ -228,7 +228,9 @@ def _summary(answer: dict[str, Any]) -> str:
         lines.append(f"  share of {_named(row)}: {row['share']:.0%}   95 %: {low:.0%} .. {high:.0%}")
     if answer["remainder"]:
         lines.append(f"  left above the floor: {answer['remainder']['share']:.0%}, {answer['remainder']['looks_like']}")
-        lines.append("  gap discover looks for a law that the library lacks")
+        if not answer["with_outliers"]:
+            lines.append("  gap discover looks for a law that the library lacks")
+    lines += [f"  {row['channel']} {row['evidence']}" for row in answer["data"] if row["kind"] == "gain"]
     if answer["next_experiment"]:
         own = "; gap design makes one for this question" * ("hinges" in answer["provenance"])
         lines.append(f"  next experiment: {answer['next_experiment']}{own}")

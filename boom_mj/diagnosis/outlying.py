@@ -67,12 +67,13 @@ class Outlier(_Part):
         device = self.device or "all sensors"
         return device if self.whole else f"{device} of {' and '.join(times)}"
 
-    def findings(self, reads: str) -> list[DataFinding]:
-        """One of every recording, with what is known of its readings."""
+    @property
+    def findings(self) -> list[DataFinding]:
+        """One of every recording."""
         findings = []
         for index, (begin, end) in self.spans.items():
             when = "" if self.whole else f"from {begin:.1f} to {end:.1f} s "
-            text = f"is {when}at least {self.gap:.1f} times its noise off, whatever explains the rest{reads}"
+            text = f"is {when}at least {self.gap:.1f} times its noise off, whatever explains the rest"
             log = self.data.recordings[index].name
             findings.append(DataFinding(log, self.device, "outlying", begin, end, text, Action.LEFT_OUT, used=False))
         return findings

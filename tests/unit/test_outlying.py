@@ -7,6 +7,7 @@ import numpy as np
 from algebra import HUM, RAMP, SQUARE, TIME, Common, Ramp, causes, found, off, sweep, swing, term
 from pytest import approx, mark
 
+from boom_mj.cli.gap import _summary
 from boom_mj.diagnosis import document
 from boom_mj.effects import Effect
 from boom_mj.recording import Recording
@@ -96,15 +97,20 @@ def test_a_gain_and_an_offset_of_a_sensor_are_said() -> None:
         values = 0.7 * log["third"].values + 0.02
         return log.with_signals({"third": replace(log["third"], values=values)})
 
-    (first, second) = document(found(SQUARE, spoilt=weak, third=True), ["a", "b"])["data"]
-    assert "third/third reads 0.7 times what that says +0.02, which leaves 0." in first["evidence"]
-    assert first["evidence"] == second["evidence"]
+    said = document(found(SQUARE, spoilt=weak, third=True), ["a", "b"])
+    first, second, gain = said["data"]
+    assert first["evidence"] == second["evidence"] and first["kind"] == "outlying"
+    assert (gain["kind"], gain["channel"]) == ("gain", "third/third")
+    assert gain["evidence"].startswith("reads, in all logs, 0.7 times what explains the rest +0.02; 0.")
+    summary = _summary(said).splitlines()
+    assert sum("third/third reads, in all logs, 0.7 times" in line for line in summary) == 1
+    assert not any("gap discover" in line for line in summary)
 
 
 @mark.usefixtures("library")
 def test_what_is_no_gain_is_not_said() -> None:
-    first, _ = document(found(SQUARE, spoilt=loose, third=True), ["a", "b"])["data"]
-    assert first["evidence"].endswith("whatever explains the rest")
+    rows = document(found(SQUARE, spoilt=loose, third=True), ["a", "b"])["data"]
+    assert [row["kind"] for row in rows] == ["outlying", "outlying"]
 
 
 def test_a_sensor_that_pulls_at_the_sizes_is_outvoted(library: Callable[..., None]) -> None:
