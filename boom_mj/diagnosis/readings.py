@@ -43,5 +43,5 @@ def _gains(found: Diagnosis, part: Outlier) -> Iterator[DataFinding]:
             log = part.data.recordings[index]
             unit, name = log[signal].unit, f"{signal}/{log[signal].channels[column]}"
             size = f"{gain:.3g} times what explains the rest {offset:+.2g} {unit}".removesuffix(" 1")
-            text = f"reads, in all logs, {size}; {left:.1%} of its misfit is left"
+            text = f"reads, in all logs, {size}, but for {left:.1%} of its misfit"
             yield DataFinding(log.name, name, "gain", begin, end, text, Action.LEFT_OUT, used=False)

@@ -101,7 +101,7 @@ def test_a_gain_and_an_offset_of_a_sensor_are_said() -> None:
     first, second, gain = said["data"]
     assert first["evidence"] == second["evidence"] and first["kind"] == "outlying"
     assert (gain["kind"], gain["channel"]) == ("gain", "third/third")
-    assert gain["evidence"].startswith("reads, in all logs, 0.7 times what explains the rest +0.02; 0.")
+    assert gain["evidence"].startswith("reads, in all logs, 0.7 times what explains the rest +0.02, but for 0.")
     summary = _summary(said).splitlines()
     assert sum("third/third reads, in all logs, 0.7 times" in line for line in summary) == 1
     assert not any("gap discover" in line for line in summary)

@@ -29,6 +29,7 @@ NEXT = {
     "partial": "Look at the machine where the effects lie, then at what is left, below.",
     "unexplained": "See where it lies and what is left, below; gap discover looks for a law that no library has.",
 }
+LEFT_OUT = "Look at the sensor that was left out, its mount and plug; if it is sound, at what acts on it alone."
 RIGHT = {
     "consistent": "that nothing is wrong, what these recordings do not show included",
     "explained": "that this is all there is, what these recordings do not show included",
@@ -52,7 +53,7 @@ def section(view: View) -> Section:
             "physics": {effect.id: physics(effect) for effect in view.effects},
             "ties": [explanation_name(tie) for tie in _ties(view)],
             "next_experiment": answer["next_experiment"],
-            "next": NEXT[answer["verdict"]],
+            "next": LEFT_OUT if answer["with_outliers"] else NEXT[answer["verdict"]],
             "zero_offsets": offsets(view),
             "data": [row["finding"] for row in answer["data"]],
         },
