@@ -43,7 +43,7 @@ TESTS = (
     "unit/test_logs_check", "unit/test_channel_checks", "laws/test_systems", "agree/test_effects_at_rest",
     "laws/test_estimation", "laws/test_effects", "laws/test_data_checks", "unit/test_fits_of_algebra",
     "unit/test_sure", "unit/test_localisation", "unit/test_least_squares", "unit/test_dataset", "unit/test_as_built",
-    "unit/test_single_effects", "unit/test_answers_of_algebra", "unit/test_outlying",
+    "unit/test_single_effects", "unit/test_answers_of_algebra", "unit/test_outlying", "unit/test_blocks",
 )  # fmt: skip
 LONGEST = 180.0  # s of all tests of a mutant, which take half of it at most without it
 LONGEST_FILE = 300.0  # s of a file of tests that is watched

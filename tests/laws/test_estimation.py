@@ -197,6 +197,40 @@ def test_a_nuisance_that_goes_further_is_held_at_its_limit() -> None:
     assert bare.estimate(white).shape == (0,) and np.array_equal(bare.clean(white), white)
 
 
+def test_a_nuisance_that_there_is_not_leaves_what_there_is_without_its_column() -> None:
+    changes, nuisances = columns()
+    whole = posterior(np.zeros(len(changes)), data(), nuisances)
+    some = np.array([True, False, True, True])
+    less, bare = replace(whole, some=some), posterior(np.zeros(len(changes)), data(), nuisances[:, some])
+    white = whole.noise.white(drawn()[0])
+    assert less.estimate(white)[some] == pytest.approx(bare.estimate(white)) and less.estimate(white)[1] == 0
+    assert less.trained[:, some] == pytest.approx(bare.trained) and not less.trained[:, 1].any()
+    assert less.clean(white) == pytest.approx(bare.clean(white), abs=1e-6)
+    free = np.ones(4, bool)
+    assert less.project(changes, free) == pytest.approx(bare.project(changes, free[some]), abs=1e-6)
+
+
+def test_what_is_held_out_is_whitened_by_what_training_leaves_open_of_nuisances() -> None:
+    """V = 1 + H (1 + B^T B)^-1 H^T, of a recording by itself; B and H by plain algebra."""
+    changes, nuisances = columns()
+    about = posterior(np.zeros(len(changes)), data(), 30 * nuisances)
+    white, train, held_out = about.noise.white(drawn()[0]), data().train, data().held_out
+    whole = 30 * nuisances / data().noise[:, None]
+    curvature = np.eye(NUISANCES) + whole[train].T @ whole[train]
+    assert about.basis.curvature == pytest.approx(curvature, rel=1e-5)
+    estimate = about.estimate(white)
+    assert estimate == pytest.approx(np.linalg.solve(curvature, whole[train].T @ white[train]), abs=1e-6)
+    left, seen = (white - whole @ estimate)[held_out], whole[held_out]
+    known = np.linalg.inv(curvature + seen.T @ seen)  # by Woodbury's identity V^-1 = 1 - H of this H^T
+    found = about.clean(white)[held_out]
+    assert found @ found == pytest.approx(left @ left - left @ seen @ known @ seen.T @ left, rel=1e-6)
+    again = (about.clean(2 * white)[held_out] + found) / 3  # linear, and all it takes away is of H
+    assert again == pytest.approx(found, abs=1e-5)
+    taken = left - found
+    assert seen @ np.linalg.lstsq(seen, taken)[0] == pytest.approx(taken, abs=1e-4)
+    assert np.linalg.norm(taken) > 0.1
+
+
 # Criteria
 
 
