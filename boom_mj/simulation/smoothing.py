@@ -9,8 +9,9 @@ spline q(t) with evenly spaced knots whose coefficients c minimise
 a penalised spline: the mean of a random jerk of standard deviation s, given the samples, as a Rauch-Tung-Striebel
 smoother would find it. How large s is differs along the path and is estimated from it: s^2 = GAIN x local mean of
 (d^3 c)^2, solved again until it stays. GAIN makes up for the variance that a mean lacks. Where a joint rests - where a
-line through a window of samples has a slope within its own noise, and a cubic through the whole rest finds no drift, as
-it does where a sensor's error creeps while the joint turns - every sample is the mean of the rest.
+line through a window of samples has a slope within its own noise - every sample is the mean of the rest, but for the
+share 1 - chance / drift by which a cubic finds more drift in it than chance has, as it does where a sensor's error
+creeps while the joint turns: Breiman's garrote (1995), which lets a drift in without a jump as it grows.
 
 Chosen by figures among smoothers that know less: docs/explanation/smoothing.md.
 """
@@ -80,8 +81,9 @@ def _rested(samples: Array, step: float, noise: float) -> Array:
     for start, stop in edges.reshape(-1, 2):
         rest, drift = samples[start:stop], legvander(np.linspace(-1, 1, stop - start), DRIFT)
         beyond = rest - drift @ np.linalg.lstsq(drift, rest, rcond=None)[0]
-        if np.var(rest) - np.var(beyond) < (SLOPE_SIGMAS * noise) ** 2 / len(rest):
-            samples[start:stop] = rest.mean()
+        chance = (SLOPE_SIGMAS * noise) ** 2 / len(rest)
+        drifts = 1 - chance / max(np.var(rest) - np.var(beyond), chance)
+        samples[start:stop] = rest.mean() + drifts * (rest - rest.mean())
     return samples
 
 

@@ -69,3 +69,13 @@ def test_white_noise_under_motion() -> None:
     angles = CATALOGUE["mixed"].joint_path(time)[0]
     read = angles + NOISE * np.random.default_rng(2).normal(size=angles.shape)
     np.testing.assert_allclose(white_noise(read), NOISE, rtol=0.08)  # three standard errors of a median of 3000
+
+
+def test_an_error_that_grows_moves_the_angle_without_a_jump() -> None:
+    """Where a fit asks what a little more of an error does, whether the joint rests must not be decided anew."""
+    time = np.arange(0, 45, 0.02)
+    shape = np.sin(2.4 * 0.05 * time)[:, None]
+    noise, sizes = NOISE * np.random.default_rng(3).normal(size=shape.shape), NOISE * np.arange(100) / 100
+    found = [smooth_angles(time, noise + size * shape, NOISE, time) for size in sizes]
+    assert np.ptp(found[0]) < 1e-9 and np.std(found[-1] - sizes[-1] * shape) < NOISE / 5
+    assert np.max(np.abs(np.diff(found, axis=0))) < 5 * sizes[1]
