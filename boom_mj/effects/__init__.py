@@ -3,6 +3,7 @@
 from boom_mj.engine import mujoco as _mujoco  # noqa: F401  # isort: skip
 
 
+from boom_mj.effects.base import DETUNING as DETUNING
 from boom_mj.effects.base import Array as Array
 from boom_mj.effects.base import Effect as Effect
 from boom_mj.effects.base import Values as Values

@@ -30,6 +30,8 @@ Array = np.ndarray
 Values = Mapping[str, float]
 """Sizes of parameters by name, in their units."""
 Cause = tuple[str, tuple[tuple[str, int | str], ...]]  # id and site, without sizes
+DETUNING = 0.5, 1.0, 2.0
+"""`Effect.sizes` of what changes frequencies: each size turns the phase of what swings by another angle."""
 
 
 @dataclass(frozen=True, eq=False, repr=False, init=False)

@@ -3,7 +3,7 @@
 import mujoco
 import numpy as np
 
-from boom_mj.effects import ModelEffect, Parameter, Site
+from boom_mj.effects import DETUNING, ModelEffect, Parameter, Site
 from boom_mj.effects.spec_edits import spring_base
 from boom_mj.machine import Machine
 
@@ -20,6 +20,7 @@ class BaseCompliance(ModelEffect):
     }
     confused_with = ("hydraulic_compliance", "slew_compliance", "link_stiffness", "camera_pose")
     separating_experiment = "slew_tour"
+    sizes = DETUNING
 
     @classmethod
     def free(cls, site: Site) -> tuple[str, ...]:

@@ -2,7 +2,7 @@
 
 import mujoco
 
-from boom_mj.effects import ModelEffect, Parameter
+from boom_mj.effects import DETUNING, ModelEffect, Parameter
 from boom_mj.machine import Machine
 
 DAMPING = 0.02  # of the critical
@@ -16,6 +16,7 @@ class EndHose(ModelEffect):
     table = {"mass": Parameter("kg", 0.0, 0.0, 500.0, 40.0)}
     confused_with = ("tip_payload", "pump_pulsation")
     separating_experiment = "slew_t"
+    sizes = DETUNING
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         mass, length = self.values["mass"], machine.end_hose.length

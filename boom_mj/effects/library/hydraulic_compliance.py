@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
-from boom_mj.effects import ModelEffect, Parameter, Site
+from boom_mj.effects import DETUNING, ModelEffect, Parameter, Site
 from boom_mj.effects.spec_edits import add_series_hinge
 from boom_mj.machine import Machine
 
@@ -26,6 +26,7 @@ class HydraulicCompliance(ModelEffect):
     }
     confused_with = ("link_stiffness", "base_compliance")
     separating_experiment = "chirp_joint2"
+    sizes = DETUNING
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         joint = int(self.location["joint"])
@@ -34,7 +35,7 @@ class HydraulicCompliance(ModelEffect):
     @classmethod
     def screening(cls, site: Site, lines_hz: Sequence[float] = ()) -> list[list[dict[str, float]]]:
         """The stiffness alone: without it nothing is damped."""
-        return [[{"stiffness": cls.table["stiffness"].typical}]]
+        return [[{"stiffness": cls.table["stiffness"].value(size)}] for size in cls.sizes]
 
 
 def add_spring(

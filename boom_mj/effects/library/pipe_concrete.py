@@ -3,7 +3,7 @@
 import mujoco
 import numpy as np
 
-from boom_mj.effects import ModelEffect, Parameter
+from boom_mj.effects import DETUNING, ModelEffect, Parameter
 from boom_mj.effects.spec_edits import stretches
 from boom_mj.machine import Machine
 
@@ -18,6 +18,7 @@ class PipeConcrete(ModelEffect):
     table = {"fill": Parameter("1", 0.0, 0.0, 1.5, 0.15)}
     confused_with = ("tip_payload", "link_mass")
     separating_experiment = "release_bow_vertical"
+    sizes = DETUNING
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         density = self.values["fill"] * machine.delivery_pipe.mass_per_length_concrete

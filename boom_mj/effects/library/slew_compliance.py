@@ -3,7 +3,7 @@
 import mujoco
 import numpy as np
 
-from boom_mj.effects import ModelEffect, Parameter
+from boom_mj.effects import DETUNING, ModelEffect, Parameter
 from boom_mj.effects.library.hydraulic_compliance import add_spring
 from boom_mj.machine import Machine
 
@@ -16,6 +16,7 @@ class SlewCompliance(ModelEffect):
     table = {"stiffness": Parameter("N m/rad", np.inf, 1e5, np.inf, 5e7, inverse=True)}
     confused_with = ("slew_backlash", "base_compliance", "link_stiffness")
     separating_experiment = "slew_t"
+    sizes = DETUNING
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         add_spring(spec, machine, 1, "joint1_spring", self.values["stiffness"])

@@ -2,7 +2,7 @@
 
 import mujoco
 
-from boom_mj.effects import ModelEffect, Parameter
+from boom_mj.effects import DETUNING, ModelEffect, Parameter
 from boom_mj.effects.spec_edits import add_point_mass
 from boom_mj.machine import Machine
 
@@ -15,6 +15,7 @@ class TipPayload(ModelEffect):
     table = {"mass": Parameter("kg", 0.0, 0.0, 1000.0, 40.0)}
     confused_with = ("pipe_concrete", "link_mass", "link_stiffness", "end_hose")
     separating_experiment = "release_bow_vertical"
+    sizes = DETUNING
 
     def edit(self, spec: mujoco.MjSpec, machine: Machine) -> None:
         if mass := self.values["mass"]:
