@@ -13,9 +13,10 @@ from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.criteria import Criteria
 from boom_mj.diagnosis.decision import choose, explains, solved, sure, ties_with, useful
 from boom_mj.diagnosis.linearisation import Linearisation, linearise
+from boom_mj.diagnosis.lines import spectral_lines
 from boom_mj.diagnosis.outlying import MOST, Outlier, outlying
 from boom_mj.diagnosis.scoring import Scored, held_out_closure, simplest_gap
-from boom_mj.diagnosis.screening import Screened, Screening, spectral_lines
+from boom_mj.diagnosis.screening import Screened, Screening
 from boom_mj.diagnosis.stages import combined, refined, singles
 from boom_mj.diagnosis.stand_in import freed
 from boom_mj.estimation.bootstrap import Closure, gap

@@ -12,11 +12,10 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import gammaincc
 
 from boom_mj.diagnosis.candidate import Candidate, Kind, apart
 from boom_mj.diagnosis.linearisation import Linearisation
-from boom_mj.effects import Effect
+from boom_mj.effects import Effect, Values
 from boom_mj.estimation.least_squares import OPTIONS
 from boom_mj.estimation.linear import LinearPosterior
 from boom_mj.systems.system import Hypothesis, LinearResponse
@@ -248,9 +247,10 @@ class Screening:
         return float(slopes @ weights / equations.whole), weights
 
     def _parts_of(self, effects: Hypothesis) -> list[slice]:
-        """Where columns of effects are."""
-        causes = {effect.cause for effect in effects}
-        return [part for (kind, site, _), part in zip(self.rows, self.stretches) if (kind.id, site.key) in causes]
+        """Where columns of effects are: of several sizes or periods the nearest."""
+        rows = [(kind.id, site.key, group, part) for (kind, site, group), part in zip(self.rows, self.stretches)]
+        found = ([(_off(e, group), part) for *cause, group, part in rows if (*cause,) == e.cause] for e in effects)
+        return [min(own, key=lambda one: one[0])[1] for own in found if own]
 
     def _onto(self, vectors: Array) -> Array:
         """Products of vectors (training, k) with all columns, (k, c); in parts, whose copies are small."""
@@ -288,26 +288,10 @@ class Screening:
         return after**0.5 - 1 < self.model.budget.latent_left * (before**0.5 - 1)
 
 
-def spectral_lines(model: Linearisation, residual: Array) -> list[float]:
-    """Frequencies (Hz) that stand out of the whitened channels that listen, in every training recording.
-
-    Of white noise a channel's power is exponentially distributed, their sum by a gamma distribution.
-    """
-    data, budget, powers = model.data, model.budget, []
-    grid = np.arange(budget.line_low_hz, budget.line_high_hz, 0.005)
-    for number, channel in enumerate(data.channels):
-        if channel.signal == model.facts.line_signal and channel.recording in data.trained:
-            part = residual[data.stretch(number)]
-            part, taper = part - part.mean(), np.hanning(len(part))
-            phase = np.exp(-2j * np.pi * grid[:, None] * channel.time[None, :])
-            mean = (part @ part + 1) * np.mean(taper**2)
-            powers.append(np.abs(phase @ (part * taper)) ** 2 / mean)
-    if not powers:
-        return []
-    total = np.sum(powers, axis=0)
-    peaks = np.flatnonzero((total[1:-1] > total[:-2]) & (total[1:-1] >= total[2:])) + 1
-    peaks = peaks[gammaincc(len(powers), total[peaks]) * len(peaks) < budget.line_chance]
-    return [float(grid[k]) for k in peaks[np.argsort(-total[peaks])][: budget.lines]]
+def _off(effect: Effect, group: Sequence[Values]) -> float:
+    """How far screening points are from an effect's values, scaled."""
+    pairs = ((effect.declared[name], value, effect.values[name]) for point in group for name, value in point.items())
+    return sum(abs(p.coordinate(there) - p.coordinate(here)) for p, there, here in pairs)
 
 
 def _acts(effect: Effect, named: Iterable[str]) -> bool:

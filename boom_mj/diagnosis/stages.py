@@ -10,9 +10,10 @@ from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.decision import Gaps, choose, nested, solved, sure, useful
 from boom_mj.diagnosis.fitting import fit, grid_starts
 from boom_mj.diagnosis.linearisation import Linearisation
+from boom_mj.diagnosis.lines import spectral_lines
 from boom_mj.diagnosis.refining import begun_anew, near, refine
 from boom_mj.diagnosis.scoring import Scored, score
-from boom_mj.diagnosis.screening import Screened, Screening, spectral_lines
+from boom_mj.diagnosis.screening import Screened, Screening
 from boom_mj.effects import Effect
 from boom_mj.estimation.bootstrap import gap
 from boom_mj.estimation.least_squares import OPTIONS

@@ -11,8 +11,9 @@ from boom_mj.diagnosis.candidate import Candidate, everywhere
 from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.decision import sure
 from boom_mj.diagnosis.linearisation import Linearisation, linearise
+from boom_mj.diagnosis.lines import spectral_lines
 from boom_mj.diagnosis.scoring import Scored, held_out_closure
-from boom_mj.diagnosis.screening import Screening, spectral_lines
+from boom_mj.diagnosis.screening import Screening
 from boom_mj.diagnosis.stages import best_of_each, fit_all, refined, singles
 from boom_mj.discovery.forces import ForceInTime, forces_in_time
 from boom_mj.discovery.search import FoundLaw, fitted, possible, sums

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from boom_mj.diagnosis.linearisation import Linearisation
-from boom_mj.diagnosis.screening import Screening, spectral_lines
+from boom_mj.diagnosis.lines import spectral_lines
+from boom_mj.diagnosis.screening import Screening
 from boom_mj.effects import Effect, make_effect
 
 PULSATION = make_effect("pump_pulsation", {"direction": "vertical"})
@@ -49,7 +50,8 @@ def test_what_these_recordings_do_not_show_is_unseen(model: Linearisation) -> No
     screening = Screening(model, [(type(payload), payload.site), (type(PULSATION), PULSATION.site)], [0.6])
     residual = np.zeros(len(model.noise.weight))
     sizes = screening.normal_equations(residual).diagonal / len(screening.columns)
-    low, high = sorted(part.max() for part in (sizes[:1], sizes[1:]))
+    points = screening.stretches[-1].start  # of the payload
+    low, high = sorted(part.max() for part in (sizes[:points], sizes[points:]))
 
     def unseen(least: float) -> float:
         screening.model = replace(model, criteria=replace(model.criteria, least_gain=least))
@@ -71,9 +73,9 @@ def test_beside_a_cause_whose_size_is_free_counts_what_it_cannot_explain(model: 
     payload, hose = (make_effect(name, {"mass": 20.0}) for name in ("tip_payload", "end_hose"))
     kinds = [(type(one), one.site) for one in (payload, hose, PULSATION)]
     screening = Screening(model, kinds, [0.6])
-    parts = [screening.columns[:, part][:, 0] for part in screening.stretches]
+    first, *_, last = (screening.columns[:, part][:, 0] for part in screening.stretches)
     residual = np.zeros(len(model.noise.weight))
-    residual[model.data.train] = 100 * parts[0] + 3 * parts[2]
+    residual[model.data.train] = 100 * first + 3 * last
     assert screening.rank(residual)[-1].candidate.effects[0].id == "pump_pulsation"
     assert [kind.id for kind, _ in screening.beside((payload,), residual)] == ["pump_pulsation", "end_hose"]
     screening.model = replace(model, budget=replace(model.budget, beside=1))
@@ -84,7 +86,7 @@ def test_a_glance_beside_a_known_machine_goes_by_what_its_sizes_change_there(mod
     """What a cause's own size explains is promised to no other; what is known of it is of the machine that it makes."""
     payload, hose = (make_effect(name, {"mass": 20.0}) for name in ("tip_payload", "end_hose"))
     screening = Screening(model, [(type(one), one.site) for one in (payload, hose, PULSATION)], [0.6])
-    own, _, other, *_ = (screening.columns[:, part][:, 0] for part in screening.stretches)
+    own, *_, other = (screening.columns[:, part][:, 0] for part in screening.stretches)
     residual, jacobian = np.zeros(len(model.noise.weight)), np.zeros((len(model.noise.weight), 1))
     residual[model.data.train], jacobian[model.data.train, 0] = 100 * own + other, own
     glance = screening.promises((payload,), residual, model, jacobian)
