@@ -12,7 +12,8 @@ from cases import Answer, Case, answer_all, parser
 
 from boom_mj.diagnosis.candidate import everywhere
 from boom_mj.diagnosis.linearisation import linearise
-from boom_mj.diagnosis.screening import Screening, spectral_lines
+from boom_mj.diagnosis.lines import spectral_lines
+from boom_mj.diagnosis.screening import Screening
 from boom_mj.estimation.bootstrap import gap
 
 Array = np.ndarray

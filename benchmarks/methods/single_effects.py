@@ -18,8 +18,9 @@ from cases import Answer, Case, answer_all, cause_of, parser
 from boom_mj.diagnosis.candidate import Candidate, everywhere
 from boom_mj.diagnosis.fitting import fit
 from boom_mj.diagnosis.linearisation import Linearisation, linearise
+from boom_mj.diagnosis.lines import spectral_lines
 from boom_mj.diagnosis.scoring import Scored, deviations
-from boom_mj.diagnosis.screening import Screening, spectral_lines
+from boom_mj.diagnosis.screening import Screening
 
 FITTED = 12  # of the candidates that screening ranks
 
