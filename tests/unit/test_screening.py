@@ -94,3 +94,17 @@ def test_a_glance_beside_a_known_machine_goes_by_what_its_sizes_change_there(mod
     assert max(glance, key=glance.__getitem__)[0] == "pump_pulsation" and len(glance) == 2
     blind = screening.promises((payload,), residual, model, 0 * jacobian)
     assert max(blind, key=blind.__getitem__)[0] == "end_hose"
+
+
+def test_of_several_sizes_of_a_cause_the_nearest_follows(model: Linearisation) -> None:
+    light, heavy, hose = (
+        make_effect(name, {"mass": mass})
+        for name, mass in (("tip_payload", 25.0), ("tip_payload", 70.0), ("end_hose", 40.0))
+    )
+    screening = Screening(model, [(type(one), one.site) for one in (light, hose, PULSATION)], [0.6])
+    _, _, heaviest, *_, other = (screening.columns[:, part][:, 0] for part in screening.stretches)
+    residual = np.zeros(len(model.noise.weight))
+    residual[model.data.train] = 100 * heaviest + other
+    promised = {one: screening.promises((one,), residual) for one in (light, heavy)}
+    best = {one: max(found, key=found.__getitem__)[0] for one, found in promised.items()}
+    assert best == {light: "end_hose", heavy: "pump_pulsation"}
