@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from boom_mj.diagnosis.budget import Budget, Odds, any_needed, gap_budget, needed, odds
+from boom_mj.diagnosis.budget import Budget, Odds, any_needed, gap_budget, inclusion, needed, odds
 from boom_mj.diagnosis.candidate import everywhere
 from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.criteria import Criteria
@@ -69,9 +69,9 @@ class Diagnosis:
         """The diagnosis of the rest as one of the whole: something is at work that nothing explains."""
         if not outliers:
             return self
-        verdict = "partial" if self.solved else "unexplained"
         odds = replace(self.odds, outside_library=self.odds.outside_library + self.odds.none, none=0.0)
-        return replace(self, verdict=verdict, odds=odds, outliers=outliers, with_outliers=with_outliers)
+        rest = replace(self, verdict="partial", odds=odds, outliers=outliers, with_outliers=with_outliers)
+        return rest if self.solved and any(rest.sure) else replace(rest, verdict="unexplained")
 
     @property
     def criteria(self) -> Criteria:
@@ -90,13 +90,16 @@ class Diagnosis:
 
     @cached_property
     def sure(self) -> tuple[bool, ...]:
-        """Of the effects of the best explanation: whether nothing else does what they do."""
+        """Of the effects of the best explanation: whether nothing else does what they do, or if all but outliers is
+        explained whether they are likely."""
         if not self.best:
             return ()
+        effects = self.best.fit.effects
         if self.outliers and not self.ties:
-            return (True,) * len(self.best.fit.effects)
+            least = self.criteria.named_probability
+            return tuple(inclusion(self.odds, self.scored, effect) >= least for effect in effects)
         rivals = (*self.scored, *self.freed)
-        return tuple(needed(self.best, rivals, self.as_built, effect) for effect in self.best.fit.effects)
+        return tuple(needed(self.best, rivals, self.as_built, effect) for effect in effects)
 
     @cached_property
     def budget(self) -> Budget | None:

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from algebra import HUM, RAMP, SQUARE, TIME, Common, Ramp, causes, found, off, sweep, swing, term
+from algebra import HUM, RAMP, SQUARE, TIME, Common, Likeness, Ramp, Square, causes, found, off, sweep, swing, term
 from pytest import approx, mark
 
 from boom_mj.cli.gap import _summary
@@ -125,6 +125,28 @@ def test_a_sensor_that_pulls_at_the_sizes_is_outvoted(library: Callable[..., Non
     answer = found(true, spoilt=thrice, third=True)
     assert answer.verdict == "partial" and [part.name for part in answer.outliers] == ["third"]
     assert causes(answer) == {true.cause} and abs(off(answer, true)) < 3
+
+
+def test_what_ties_without_an_outlier_is_no_cause_for_sure(library: Callable[..., None]) -> None:
+    library(Square, Likeness, Ramp)
+    answer = found(SQUARE, spoilt=loose, third=True)
+    assert answer.verdict == "unexplained" and [part.name for part in answer.outliers] == ["third"]
+    said = document(answer, ["a", "b"])
+    assert not said["effects"] and len(said["ties"][0]) == 2
+    assert "likeness sensor 1 or square sensor 1 would explain; no cause is sure" in said["sentence"]
+
+
+@mark.usefixtures("library")
+def test_what_is_not_likely_is_not_named_beside_an_outlier() -> None:
+    answer = found(SQUARE, HUM, spoilt=loose, third=True)
+    with_square = [SQUARE.cause in one.fit.candidate.places for one in answer.scored]
+    with_hum = [HUM.cause in one.fit.candidate.places for one in answer.scored]
+    without_hum = [float(a and not b) for a, b in zip(with_square, with_hum)]
+    odds = replace(answer.odds, explanations=tuple(0.9 * p / sum(without_hum) for p in without_hum))
+    said = document(replace(answer, odds=odds), ["a", "b"])
+    assert [cause["id"] for cause in said["effects"]] == ["square"]
+    assert [cause["id"] for cause in said["suspect"]] == ["hum"]
+    assert said["sentence"].startswith("Square") and ", with what acts beside, closes" in said["sentence"]
 
 
 @mark.usefixtures("library")

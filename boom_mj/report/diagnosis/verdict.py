@@ -67,7 +67,7 @@ def headline(answer: Mapping[str, Any]) -> str:
         case "consistent":
             return "Simulator and machine agree"
         case "unexplained":
-            return "No effect of the library explains the gap"
+            return "No cause is sure" if answer["ties"] else "No effect of the library explains the gap"
         case "ambiguous":
             others = ", or ".join(explanation_name(tie) for tie in answer["ties"][0][1:])
             return f"{capital(names)}, or {others}"
