@@ -39,11 +39,11 @@ def sentence(found: Diagnosis) -> str:
     if found.verdict == "consistent":
         return f"No gap beyond noise and model error: {before:.2f} on what was held out, 1 is the floor."
     where = in_words(locate(found.model, found.as_built))
-    if found.outliers and found.verdict == "unexplained" and not found.best:
-        return f"{_but_for(found)}. Without, no gap is left beyond noise and model error: {before:.2f}, 1 is the floor."
     if found.outliers and found.verdict == "unexplained":
-        likely = " or ".join(one.label for one in (found.best, *found.ties))
-        return f"{_but_for(found)}. Without it is {before:.1f}, which {likely} would explain; no cause is sure."
+        likely = " or ".join(one.label for one in (found.best, *found.ties) if one)
+        none = f"no gap is left beyond noise and model error: {before:.2f}, 1 is the floor"
+        rest = f"it is {before:.1f}, which {likely} would explain; no cause is sure" if likely else none
+        return f"{_but_for(found)}. Without, {rest}."
     if found.verdict == "unexplained":
         leaves = f"close {found.closure.value:.0%} and leave {found.best.held_out:.1f}" if found.best else ""
         tried = f"; {found.best.label} would {leaves}" if found.best else ""
