@@ -83,6 +83,10 @@ class SearchBudget:
         "candidates",
         "screened about a leader: the machine as built puts the best three no later than place 22",
     )
+    every: int = number(
+        4, "candidates", "of which one is simulated to see whether a glance tells of them beside a leader"
+    )
+    surprise: float = number(0.1, "share", "of the largest promise, that one may promise more than at a glance")
     partners: int = number(3, "candidates", "screened beside a leader, that are fitted together with it")
     singles_beside: int = number(2, "candidates", "fitted alone before, that are tried together with a leader")
     leaders: int = number(2, "candidates", "of a stage that are refined")

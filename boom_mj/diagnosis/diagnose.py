@@ -14,6 +14,7 @@ from boom_mj.diagnosis.criteria import Criteria
 from boom_mj.diagnosis.decision import choose, explains, solved, sure, ties_with, useful
 from boom_mj.diagnosis.linearisation import Linearisation, linearise
 from boom_mj.diagnosis.lines import spectral_lines
+from boom_mj.diagnosis.mimicry import mimicked, unseen
 from boom_mj.diagnosis.outlying import MOST, Outlier, outlying
 from boom_mj.diagnosis.scoring import Scored, held_out_closure, simplest_gap
 from boom_mj.diagnosis.screening import Screened, Screening
@@ -202,9 +203,9 @@ def _diagnose(predictor: Predictor, without: Sequence[str], clock: Clock, most: 
         screened = screening.rank(raw)
 
     def concluded(scored: Sequence[Scored]) -> Diagnosis:
-        mimicked = [screening.mimicked(j.fit.effects, raw, j.train) for j in scored] if screening else None
-        unseen = screening.unseen(raw) if screening else 1.0
-        return _concluded(model, as_built, screened, scored, mimicked, unseen, clock)
+        alike = [mimicked(screening, j.fit.effects, raw, j.train) for j in scored] if screening else None
+        hidden = unseen(screening, raw) if screening else 1.0
+        return _concluded(model, as_built, screened, scored, alike, hidden, clock)
 
     scored: list[Scored] = []
     promise = screened[0].share * training**2 if screened else 0.0

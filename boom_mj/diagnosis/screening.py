@@ -8,6 +8,7 @@ what the two have in common is known: the nuisances, and the effects that the ma
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -76,7 +77,7 @@ class Screening:
         lines_hz: Sequence[float],
         given: tuple[Effect, ...] = (),
     ):
-        self.model, self.kinds, self.given = model, kinds, given
+        self.model, self.kinds, self.lines_hz, self.given = model, kinds, lines_hz, given
         free = [(kind, site) for kind, site in kinds if apart(kind, site, given)]
         self.rows = [(kind, site, group) for kind, site in free for group in kind.screening(site, lines_hz) if group]
         points = [kind(site, **values) for kind, site, group in self.rows for values in group]
@@ -149,7 +150,7 @@ class Screening:
             jacobian: what its effects change there, (N, p).
         """
         if about is None or jacobian is None:
-            own = [self.columns[:, part] for part in self._parts_of(effects)]
+            own = [self.columns[:, part] for part in self.parts_of(effects)]
             equations = self._equations(residual, np.column_stack([self.follow, *own]))
         else:
             follow = np.column_stack([about.posterior.trained, jacobian[about.data.train]])
@@ -161,57 +162,18 @@ class Screening:
                 promise[kind.id, site.key] = max(share, promise.get((kind.id, site.key), 0.0))
         return promise
 
-    def beside(self, effects: Hypothesis, residual: Array) -> list[Kind]:
-        """Candidates worth screening about the machine that effects make: those that promise most."""
-        promise = self.promises(effects, residual)
-        able = [(kind, site) for kind, site in self.kinds if apart(kind, site, effects)]
-        able.sort(key=lambda one: -promise.get((one[0].id, one[1].key), np.inf))  # first what had no line to follow
-        return able[: self.model.budget.beside]
+    def beside(self, effects: Hypothesis, residual: Array, lines_hz: Sequence[float]) -> dict[Kind, float]:
+        """Candidates worth screening about the machine that effects make, best first, with what they promise.
 
-    def mimicked(self, effects: Hypothesis, residual: Array, left: float) -> float:
-        """How many kinds of other effects these would explain, had one of them caused a gap as large as a residual's.
-
-        A kind counts by the share of its sites. With u the part of a column that is none of the effects' columns, they
-        would leave the mean square 1 + u e, e what is above the floor: little enough, and the rest enough to count.
-
-        Args:
-            residual: whitened, (N,).
-            left: gap that the effects leave in training.
+        What had no line to follow, or other ones, comes first: it may promise anything.
         """
-        equations, criteria = self.normal_equations(residual), self.model.criteria
-        excess = equations.whole / len(self.columns) - min(left, 1.0) ** 2
-        own = self._parts_of(effects)
-        if not own:
-            return 0.0
-        mine = np.concatenate([np.arange(part.start, part.stop) for part in own])
-        across = equations.curvature(mine, np.arange(self.columns.shape[1]))
-        explained = np.einsum("kc,kc->c", across, np.linalg.pinv(across[:, mine], hermitian=True) @ across)
-        other = 1 - explained / np.maximum(equations.diagonal, 1e-12)
-        takes = (1 + other * excess <= criteria.explained_gap**2) & ((1 - other) * excess > criteria.least_gain)
-        alike: dict[str, dict[tuple, bool]] = {}
-        for (kind, site, _), part in zip(self.rows, self.stretches):
+        promise, found = self.promises(effects, residual), dict[Kind, float]()
+        for kind, site in self.kinds:
             if apart(kind, site, effects):
-                same = bool(np.all(takes[part]))
-                places = alike.setdefault(kind.id, {})
-                places[site.key] = places.get(site.key, True) and same
-        return float(sum(np.mean(list(places.values())) for places in alike.values()))
-
-    def unseen(self, residual: Array) -> float:
-        """The share of kinds of effects that do not count in training, of the largest size screened.
-
-        A kind counts by the share of its sites.
-
-        Args:
-            residual: whitened, (N,).
-        """
-        square = self.normal_equations(residual).diagonal / len(self.columns)
-        seen: dict[str, dict[tuple, bool]] = {}
-        for (kind, site, _), part in zip(self.rows, self.stretches):
-            places = seen.setdefault(kind.id, {})
-            places[site.key] = places.get(site.key, False) or bool(
-                np.any(square[part] > self.model.criteria.least_gain)
-            )
-        return 1 - float(np.mean([np.mean(list(places.values())) for places in seen.values()]))
+                same = kind.screening(site, lines_hz) == kind.screening(site, self.lines_hz)
+                found[kind, site] = promise.get((kind.id, site.key), np.inf) if same else np.inf
+        best = sorted(found, key=lambda one: -found[one])[: self.model.budget.beside]
+        return {one: found[one] for one in best}
 
     def normal_equations(self, residual: Array) -> "NormalEquations":
         """Of a whitened residual (N,), in the inner product of what follows: nuisances below their limits, effects."""
@@ -230,7 +192,7 @@ class Screening:
         following = np.linalg.solve(np.diag(prior) + follow.T @ follow, across)
 
         def curvature(rows: Part, columns: Part) -> Array:
-            return self.columns[:, rows].T @ self.columns[:, columns] - across[:, rows].T @ following[:, columns]
+            return self.products[rows][:, columns] - across[:, rows].T @ following[:, columns]
 
         return NormalEquations(
             self._onto(left[:, None])[0] - (left @ follow) @ following,
@@ -246,11 +208,16 @@ class Screening:
         weights = np.linalg.solve(equations.curvature(part, part) + prior, slopes)
         return float(slopes @ weights / equations.whole), weights
 
-    def _parts_of(self, effects: Hypothesis) -> list[slice]:
+    def parts_of(self, effects: Hypothesis) -> list[slice]:
         """Where columns of effects are: of several sizes or periods the nearest."""
         rows = [(kind.id, site.key, group, part) for (kind, site, group), part in zip(self.rows, self.stretches)]
         found = ([(_off(e, group), part) for *cause, group, part in rows if (*cause,) == e.cause] for e in effects)
         return [min(own, key=lambda one: one[0])[1] for own in found if own]
+
+    @cached_property
+    def products(self) -> Array:
+        """Of all columns with one another, (c, c)."""
+        return self.columns.T @ self.columns
 
     def _onto(self, vectors: Array) -> Array:
         """Products of vectors (training, k) with all columns, (k, c); in parts, whose copies are small."""

@@ -1,11 +1,11 @@
 """Search stages: single causes, then combinations, fitted roughly; the leaders are refined about what they make."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from boom_mj.diagnosis.candidate import Candidate, apart
+from boom_mj.diagnosis.candidate import Candidate, Kind, apart
 from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.decision import Gaps, choose, nested, solved, sure, useful
 from boom_mj.diagnosis.fitting import fit, grid_starts
@@ -181,12 +181,29 @@ def _revealed(leader: Scored, scored: list[Scored], screening: Screening, clock:
 
 
 def _partners(model: Linearisation, trunk: tuple[Effect, ...], screening: Screening, clock: Clock) -> list[Screened]:
-    """What screening suggests about the machine that effects make."""
+    """What screening suggests about the machine that effects make.
+
+    Simulated are those that at a glance promise most and a sample of the others; where these surprise, all.
+    """
     clock.tell("screening beside " + Candidate(trunk).label)
-    model = model.conditional_on(trunk)
+    model, count = model.conditional_on(trunk), model.budget.partners
     raw = model.residual(*model.predict([trunk]))
     lines = spectral_lines(model, model.clean(raw))
-    return Screening(model, screening.beside(trunk, raw), lines, trunk).rank(raw)[: model.budget.partners]
+    glance = screening.beside(trunk, raw, lines)
+    kinds, first = list(glance), count + list(glance.values()).count(np.inf)
+    few = kinds[:first] + kinds[first :: model.budget.every]
+    ranked = Screening(model, few, lines, trunk).rank(raw)
+    others = [kind for kind in kinds if kind not in few]
+    if others and (_surprising(ranked, glance, model.budget.surprise) or glance[others[0]] > ranked[:count][-1].share):
+        ranked += Screening(model, others, lines, trunk).rank(raw)
+    return sorted(ranked, key=lambda s: -s.share)[:count]
+
+
+def _surprising(ranked: Sequence[Screened], glance: Mapping[Kind, float], surprise: float) -> bool:
+    """Whether any promises more than at a glance, by a share of the best; a latent input is more than its column."""
+    effects = [one.candidate.effects[0] for one in ranked]
+    more = [s.share - glance[type(e), e.site] for s, e in zip(ranked, effects) if not e.basis(0.0)]
+    return max(more, default=0.0) > surprise * ranked[0].share
 
 
 def _paired(

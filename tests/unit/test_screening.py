@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from boom_mj.diagnosis import mimicry
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.lines import spectral_lines
 from boom_mj.diagnosis.screening import Screening
@@ -36,12 +37,12 @@ def test_what_looks_alike_on_these_data_is_mimicked(model: Linearisation) -> Non
         """Beside a gap whose square is as far above noise."""
         residual = np.zeros(len(model.noise.weight))
         residual[model.data.train] = np.sqrt(1 + size) * own
-        return screening.mimicked((effect,), residual, 1.0)
+        return mimicry.mimicked(screening, (effect,), residual, 1.0)
 
     assert [mimicked(payload, size) for size in (0.001, 0.05, 1e4)] == [0.0, 1.0, 0.0]
     assert mimicked(PULSATION, 1e4) == 0.0
     alone = Screening(model, kinds[:1], [])
-    assert alone.mimicked((payload,), residual, 1.0) == 0.0
+    assert mimicry.mimicked(alone, (payload,), residual, 1.0) == 0.0
 
 
 def test_what_these_recordings_do_not_show_is_unseen(model: Linearisation) -> None:
@@ -55,7 +56,7 @@ def test_what_these_recordings_do_not_show_is_unseen(model: Linearisation) -> No
 
     def unseen(least: float) -> float:
         screening.model = replace(model, criteria=replace(model.criteria, least_gain=least))
-        return screening.unseen(residual)
+        return mimicry.unseen(screening, residual)
 
     assert [unseen(least) for least in (0.9 * low, (low + high) / 2, high)] == [0.0, 0.5, 1.0]
 
@@ -77,9 +78,14 @@ def test_beside_a_cause_whose_size_is_free_counts_what_it_cannot_explain(model: 
     residual = np.zeros(len(model.noise.weight))
     residual[model.data.train] = 100 * first + 3 * last
     assert screening.rank(residual)[-1].candidate.effects[0].id == "pump_pulsation"
-    assert [kind.id for kind, _ in screening.beside((payload,), residual)] == ["pump_pulsation", "end_hose"]
+    found = screening.beside((payload,), residual, [0.6])
+    assert [kind.id for kind, _ in found] == ["pump_pulsation", "end_hose"]
+    promise = screening.promises((payload,), residual)
+    assert [*found.values()] == [promise[kind.id, site.key] for kind, site in found]
+    found = screening.beside((payload,), residual, [0.7])  # of which there is no column
+    assert [kind.id for kind, _ in found] == ["pump_pulsation", "end_hose"] and next(iter(found.values())) == np.inf
     screening.model = replace(model, budget=replace(model.budget, beside=1))
-    assert [kind.id for kind, _ in screening.beside((payload,), residual)] == ["pump_pulsation"]
+    assert [kind.id for kind, _ in screening.beside((payload,), residual, [0.6])] == ["pump_pulsation"]
 
 
 def test_a_glance_beside_a_known_machine_goes_by_what_its_sizes_change_there(model: Linearisation) -> None:

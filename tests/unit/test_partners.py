@@ -1,0 +1,44 @@
+"""Partners of a leader: a glance that tells spares simulations, and one that does not costs no partner."""
+
+from collections.abc import Callable
+
+from algebra import HUM, RAMP, SQUARE, model
+from pytest import MonkeyPatch, fixture
+
+from boom_mj.diagnosis import stages
+from boom_mj.diagnosis.candidate import everywhere
+from boom_mj.diagnosis.clock import Clock
+from boom_mj.diagnosis.screening import Screening
+
+Partners = Callable[[], list[tuple]]
+
+
+@fixture
+def partners(library: None, monkeypatch: MonkeyPatch) -> tuple[Partners, list[int]]:
+    """Of a square, best first; and how many kinds every screening simulates."""
+    about, simulated = model((SQUARE, HUM, RAMP)), list[int]()
+    screening = Screening(about, everywhere(about.system, ()), [])
+
+    class Counted(Screening):
+        def __init__(self, model, kinds, *others):
+            simulated.append(len(kinds))
+            super().__init__(model, kinds, *others)
+
+    monkeypatch.setattr(stages, "Screening", Counted)
+    return lambda: [one.candidate.places for one in stages._partners(about, (SQUARE,), screening, Clock())], simulated
+
+
+def test_a_glance_that_tells_spares_simulations(partners: tuple[Partners, list[int]]) -> None:
+    found, simulated = partners
+    assert {*found()[:2]} == {(HUM.cause,), (RAMP.cause,)}
+    assert simulated == [5]  # of nine
+
+
+def test_a_glance_that_does_not_tell_costs_no_partner(
+    partners: tuple[Partners, list[int]], monkeypatch: MonkeyPatch
+) -> None:
+    found, simulated = partners
+    right, promises = found(), Screening.promises
+    monkeypatch.setattr(Screening, "promises", lambda *given: {k: 1 - v for k, v in promises(*given).items()})
+    assert found() == right
+    assert simulated == [5, 5, 4]
