@@ -68,6 +68,8 @@ class Screening:
         kinds: effects and sites.
         lines_hz: frequencies offered to periodic effects.
         given: effects that the machine has already, free to change.
+        near: whether nuisances do as good as the same in the machine that the model is about.
+        done: another one about the same machine, whose points are not simulated again.
     """
 
     def __init__(
@@ -76,6 +78,8 @@ class Screening:
         kinds: Sequence[Kind],
         lines_hz: Sequence[float],
         given: tuple[Effect, ...] = (),
+        near: bool = False,
+        done: "Screening | None" = None,
     ):
         self.model, self.kinds, self.lines_hz, self.given = model, kinds, lines_hz, given
         free = [(kind, site) for kind, site in kinds if apart(kind, site, given)]
@@ -85,12 +89,15 @@ class Screening:
         train, level = data.train, model.facts.fidelity.rough
         steps, moved = known.steps(known.start)
         about = {effect.cause for effect in given} == {effect.cause for effect in model.effects}
-        same = about and level == model.facts.fidelity.coarse  # then the model's own columns are these
+        same = near or (about and level == model.facts.fidelity.coarse)  # then the model's own columns are these
         nuisances = [] if same else [(*given, *t.hypothesis) for t in model.nuisances]
         loose = [*nuisances, *moved]
-        number = {point: k for k, point in enumerate(points)}
+        self.numbers = number = {point: k for k, point in enumerate(points)}
         self.columns = np.empty((int(train.sum()), len(points)), np.float32)  # (training, c)
-        long = self._known_responses(model.columns, number)
+        ready = {point: done.columns[:, k] for point, k in done.numbers.items() if point in number} if done else {}
+        for point, column in ready.items():
+            self.columns[:, number[point]] = column
+        long = [point for point in self._known_responses(model.columns, number) if point not in ready]
         whole = [given, *loose, *((*given, point) for point in long)]
         found = model.predictor.predictions(whole, level, data.trained)
         base = next(found)

@@ -191,12 +191,13 @@ def _partners(model: Linearisation, trunk: tuple[Effect, ...], screening: Screen
     lines = spectral_lines(model, model.clean(raw))
     glance = screening.beside(trunk, raw, lines)
     kinds, first = list(glance), count + list(glance.values()).count(np.inf)
-    few = kinds[:first] + kinds[first :: model.budget.every]
-    ranked = Screening(model, few, lines, trunk).rank(raw)
-    others = [kind for kind in kinds if kind not in few]
-    if others and (_surprising(ranked, glance, model.budget.surprise) or glance[others[0]] > ranked[:count][-1].share):
-        ranked += Screening(model, others, lines, trunk).rank(raw)
-    return sorted(ranked, key=lambda s: -s.share)[:count]
+    sample = kinds[:first] + kinds[first :: model.budget.every]
+    some = Screening(model, sample, lines, trunk, near=True)
+    ranked = some.rank(raw)
+    unseen = max((glance[kind] for kind in kinds if kind not in sample), default=0.0)
+    if unseen and (_surprising(ranked, glance, model.budget.surprise) or unseen > ranked[:count][-1].share):
+        ranked = Screening(model, kinds, lines, trunk, done=some).rank(raw)
+    return ranked[:count]
 
 
 def _surprising(ranked: Sequence[Screened], glance: Mapping[Kind, float], surprise: float) -> bool:

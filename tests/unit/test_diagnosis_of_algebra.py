@@ -203,7 +203,7 @@ def test_beside_a_cause_others_promise_what_it_leaves() -> None:
     promise = screening.promises((SQUARE,), left)
     assert max(promise, key=promise.__getitem__) == HUM.cause and promise[HUM.cause] > 0.9
     assert SQUARE.cause not in promise
-    first, site = screening.beside((SQUARE,), left)[0]
+    first, site = next(iter(screening.beside((SQUARE,), left, ())))
     assert (first.id, site.key) == HUM.cause
 
 

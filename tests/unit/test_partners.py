@@ -20,9 +20,9 @@ def partners(library: None, monkeypatch: MonkeyPatch) -> tuple[Partners, list[in
     screening = Screening(about, everywhere(about.system, ()), [])
 
     class Counted(Screening):
-        def __init__(self, model, kinds, *others):
+        def __init__(self, model, kinds, *others, **known):
             simulated.append(len(kinds))
-            super().__init__(model, kinds, *others)
+            super().__init__(model, kinds, *others, **known)
 
     monkeypatch.setattr(stages, "Screening", Counted)
     return lambda: [one.candidate.places for one in stages._partners(about, (SQUARE,), screening, Clock())], simulated
@@ -41,4 +41,4 @@ def test_a_glance_that_does_not_tell_costs_no_partner(
     right, promises = found(), Screening.promises
     monkeypatch.setattr(Screening, "promises", lambda *given: {k: 1 - v for k, v in promises(*given).items()})
     assert found() == right
-    assert simulated == [5, 5, 4]
+    assert simulated == [5, 5, 9]
