@@ -42,18 +42,18 @@ def locate(model: Linearisation, residual: Array) -> tuple[Cell, ...]:
     power: dict[tuple[str, ...], float] = defaultdict(float)
     count: dict[tuple[str, ...], float] = defaultdict(float)
     data, system, facts = model.data, model.system, model.facts
-    phases = [system.timeline(log).phases() for log in data.recordings]
+    phases = [np.unique(system.timeline(log).phases(), return_inverse=True) for log in data.recordings]
     for number, channel in enumerate(data.channels):
-        series = residual[data.stretch(number)]
-        when = phases[channel.recording]
-        names = np.array([when[min(int(t / data.block_s), len(when) - 1)] for t in channel.time])
+        names, of_block = phases[channel.recording]
+        when = of_block[np.minimum((channel.time / data.block_s).astype(int), len(of_block) - 1)]
+        entries = np.bincount(when, minlength=len(names))
         at = system.channel(channel.signal, channel.column)
         place = at.sensor, at.part, at.direction
-        for band, part in bands(series, facts.bands_hz, data.block_s):
-            for phase in np.unique(names):
-                inside = names == phase
-                power[(*place, band, phase)] += float(part[inside] @ part[inside])
-                count[(*place, band, phase)] += float(inside.sum())
+        for band, part in bands(residual[data.stretch(number)], facts.bands_hz, data.block_s):
+            squares = np.bincount(when, part**2, len(names))
+            for k in np.flatnonzero(entries):
+                power[(*place, band, str(names[k]))] += float(squares[k])
+                count[(*place, band, str(names[k]))] += float(entries[k])
     total = max(sum(power.values()), 1e-300)
     cells = [
         Cell(**dict(zip(AXES, key)), gap=float(np.sqrt(p / max(count[key], 1))), share=p / total)

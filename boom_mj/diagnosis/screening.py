@@ -68,7 +68,7 @@ class Screening:
         kinds: effects and sites.
         lines_hz: frequencies offered to periodic effects.
         given: effects that the machine has already, free to change.
-        near: whether nuisances do as good as the same in the machine that the model is about.
+        near: whether the model's own columns of nuisances do, though it is about another machine.
         done: another one about the same machine, whose points are not simulated again.
     """
 

@@ -4,10 +4,10 @@ from collections.abc import Callable
 
 import numpy as np
 from algebra import model, swing
-from pytest import fixture, mark
+from pytest import approx, fixture, mark
 
 from boom_mj.diagnosis.linearisation import Linearisation
-from boom_mj.diagnosis.localisation import looks_like
+from boom_mj.diagnosis.localisation import locate, looks_like
 
 Array = np.ndarray
 
@@ -54,3 +54,17 @@ def test_nothing_looks_like_nothing(healthy: Linearisation) -> None:
 def test_entries_that_do_not_train_have_no_residual_in_training(healthy: Linearisation) -> None:
     (left,) = healthy.residuals([()])
     assert not left[~healthy.data.train].any() and np.all(left[healthy.data.train] != 0)
+
+
+def test_power_is_where_it_is(healthy: Linearisation) -> None:
+    """A hum of the second sensor, while it moves: all of it there and above the static band, in proportion to time."""
+    data = healthy.data
+    hum = [
+        np.sin(2 * np.pi * 0.9 * c.time) * (c.recording == 0) * (data.channels[k].signal == "second")
+        for k, c in enumerate(data.channels)
+    ]
+    cells = locate(healthy, np.concatenate(hum))
+    first = cells[0]
+    assert (first.link, first.band, first.phase) == ("second", "above", "motion")
+    assert first.share > 0.999 and sum(cell.share for cell in cells) == approx(1)
+    assert first.gap == approx(0.5, rel=0.01)  # 1 / sqrt(2) in one of two logs
