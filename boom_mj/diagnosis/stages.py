@@ -194,8 +194,8 @@ def _partners(model: Linearisation, trunk: tuple[Effect, ...], screening: Screen
     sample = kinds[:first] + kinds[first :: model.budget.every]
     some = Screening(model, sample, lines, trunk, near=True)
     ranked = some.rank(raw)
-    unseen = max((glance[kind] for kind in kinds if kind not in sample), default=0.0)
-    if unseen and (_surprising(ranked, glance, model.budget.surprise) or unseen > ranked[:count][-1].share):
+    others = [promise for kind, promise in glance.items() if kind not in sample]
+    if others and (_surprising(ranked, glance, model.budget.surprise) or max(others) > ranked[:count][-1].share):
         ranked = Screening(model, kinds, lines, trunk, done=some).rank(raw)
     return ranked[:count]
 

@@ -133,7 +133,7 @@ def test_what_ties_without_an_outlier_is_no_cause_for_sure(library: Callable[...
     assert answer.verdict == "unexplained" and [part.name for part in answer.outliers] == ["third"]
     said = document(answer, ["a", "b"])
     assert not said["effects"] and len(said["ties"][0]) == 2
-    assert "likeness sensor 1 or square sensor 1 would explain; no cause is sure" in said["sentence"]
+    assert " or ".join(one.label for one in (answer.best, *answer.ties)) + " would explain; no" in said["sentence"]
 
 
 @mark.usefixtures("library")

@@ -36,12 +36,17 @@ def test_a_glance_that_tells_spares_simulations(partners: tuple[Partners, list[i
     assert simulated == [5]  # of nine
 
 
+@mark.parametrize(
+    "told",
+    [lambda promise: 1 - promise, lambda promise: 0.0, lambda promise: promise + 0.5],
+    ids=["the reverse", "nothing", "more of all"],
+)
 def test_a_glance_that_does_not_tell_costs_no_partner(
-    partners: tuple[Partners, list[int]], monkeypatch: MonkeyPatch
+    told: Callable[[float], float], partners: tuple[Partners, list[int]], monkeypatch: MonkeyPatch
 ) -> None:
     found, simulated = partners
     right, promises = found(), Screening.promises
-    monkeypatch.setattr(Screening, "promises", lambda *given: {k: 1 - v for k, v in promises(*given).items()})
+    monkeypatch.setattr(Screening, "promises", lambda *given: {k: told(v) for k, v in promises(*given).items()})
     assert found() == right
     assert simulated == [5, 5, 9]
 
