@@ -211,12 +211,14 @@ def diagnose(
 
 
 def _summary(answer: dict[str, Any]) -> str:
+    from boom_mj.effects import behind
+
     lines = [f"{answer['verdict']}: {answer['sentence']}", ""]
     for effect in answer["effects"] or answer["suspect"]:
         lines.append(f"  {_named(effect)}")
         for name, p in effect["parameters"].items():
-            interval = " .. ".join("inf" if p[end] is None else f"{p[end]:.4g}" for end in ("low", "high"))
-            size = f"{p['value']:.4g} {p['unit']}".removesuffix(" 1")
+            interval = " .. ".join("inf" if p[end] is None else f"{p[end]:z.4g}" for end in ("low", "high"))
+            size = f"{p['value']:z.4g}{behind(p['unit'])}"
             lines.append(f"      {name:16} {size}   95 %: {interval}")
     for part, gaps in (("training", answer["gap"]["train"]), ("held out", answer["gap"]["holdout"])):
         digits, floor = (2, "   (floor 1)") if gaps["before"] > 1 else (3, "   (noise)")
@@ -225,7 +227,7 @@ def _summary(answer: dict[str, Any]) -> str:
         lines.append(f"  not {' + '.join(map(_named, (rival, *rival.get('with', ()))))}: {rival['why_not']}")
     for row in answer["budget"]:
         low, high = row["share_interval"]
-        lines.append(f"  share of {_named(row)}: {row['share']:.0%}   95 %: {low:.0%} .. {high:.0%}")
+        lines.append(f"  share of {_named(row)}: {row['share']:z.0%}   95 %: {low:z.0%} .. {high:z.0%}")
     if answer["remainder"]:
         lines.append(f"  left above the floor: {answer['remainder']['share']:.0%}, {answer['remainder']['looks_like']}")
         if not answer["with_outliers"]:

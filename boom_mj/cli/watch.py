@@ -97,6 +97,7 @@ def _summary(answer: dict[str, Any], words: str) -> str:
 
 def _sizes(logs: list[dict[str, Any]]) -> list[str]:
     """How large every cause is in every log by itself, with its 95 % interval."""
+    from boom_mj.effects import behind
     from boom_mj.report.words import effect_name
 
     lines = []
@@ -108,7 +109,6 @@ def _sizes(logs: list[dict[str, Any]]) -> list[str]:
                     lines.append(f"{row['log']}  not looked at for want of time")
                     continue
                 size = row["effects"][k]["parameters"][name]
-                unit = "" if size["unit"] == "1" else size["unit"]
-                value, low, high = ("inf" if size[e] is None else f"{size[e]:.4g}" for e in ("value", "low", "high"))
-                lines.append(f"{row['log']}  {value} ({low} to {high}) {unit}".rstrip())
+                value, low, high = ("inf" if size[e] is None else f"{size[e]:z.4g}" for e in ("value", "low", "high"))
+                lines.append(f"{row['log']}  {value} ({low} to {high}){behind(size['unit'])}")
     return lines

@@ -7,6 +7,7 @@ import numpy as np
 from boom_mj.diagnosis.diagnose import Diagnosis
 from boom_mj.diagnosis.outlying import Outlier
 from boom_mj.diagnosis.predictions import explanation, nominal_predictor, simulated_recording
+from boom_mj.effects import behind
 from boom_mj.errors import BoomError
 from boom_mj.replay.quality import Action, DataFinding
 
@@ -42,6 +43,6 @@ def _gains(found: Diagnosis, part: Outlier) -> Iterator[DataFinding]:
             index, (begin, end) = next(iter(part.spans.items()))
             log = part.data.recordings[index]
             unit, name = log[signal].unit, f"{signal}/{log[signal].channels[column]}"
-            size = f"{gain:.3g} times what explains the rest {offset:+.2g} {unit}".removesuffix(" 1")
+            size = f"{gain:.3g} times what explains the rest {offset:+.2g}{behind(unit)}"
             text = f"reads, in all logs, {size}, but for {left:.1%} of its misfit"
             yield DataFinding(log.name, name, "gain", begin, end, text, Action.LEFT_OUT, used=False)

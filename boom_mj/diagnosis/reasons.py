@@ -4,7 +4,7 @@ from boom_mj.diagnosis.diagnose import Diagnosis
 from boom_mj.diagnosis.named import described, named_as_causes
 from boom_mj.diagnosis.predictions import built_with, causes, estimated_nuisances, nuisances
 from boom_mj.diagnosis.steps import nuisance_sizes
-from boom_mj.effects import Effect
+from boom_mj.effects import Effect, behind
 from boom_mj.systems.system import Reasons
 
 
@@ -31,7 +31,7 @@ def reasons(found: Diagnosis) -> Reasons:
 
 
 def _unit(effect: Effect, name: str) -> str:
-    return f" {effect.declared[name].unit}".removesuffix(" 1").rstrip()
+    return behind(effect.declared[name].unit)
 
 
 def _neutral(effect: Effect, name: str) -> str:

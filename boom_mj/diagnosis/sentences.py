@@ -8,6 +8,7 @@ from boom_mj.diagnosis.diagnose import Diagnosis
 from boom_mj.diagnosis.localisation import in_words, locate
 from boom_mj.diagnosis.named import brief, closure_of, described
 from boom_mj.diagnosis.scoring import Scored
+from boom_mj.effects import behind
 from boom_mj.effects.free_resistance import FreeResistance
 from boom_mj.estimation.bootstrap import gap
 
@@ -133,7 +134,7 @@ def _in_words(entry: Mapping[str, Any]) -> str:
     """An effect as `described`."""
     place = ", ".join(f"{k} {v}" for k, v in entry["location"].items())
     sizes = ", ".join(
-        f"{name} {size['value']:.4g} {size['unit']}".removesuffix(" 1") + ", implausible" * ("implausible" in size)
+        f"{name} {size['value']:.4g}{behind(size['unit'])}" + ", implausible" * ("implausible" in size)
         for name, size in entry["parameters"].items()
     )
     return f"{entry['id'].replace('_', ' ')}{f' at {place}' if place else ''} ({sizes})"

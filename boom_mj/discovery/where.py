@@ -184,7 +184,7 @@ def _actuator(base: type[laws.Law], site: Site, motions: Motions) -> Iterator[Pl
         signals = [data.recordings[k][logged[0]] for k in data.trained]
         command = np.concatenate([signal.values[:, 0] for signal in signals])
         variables = {"command": command, "time": np.concatenate([signal.time for signal in signals])}
-        words = {"x": site.unit or "1"}
+        words = {"x": site.unit}
         yield Place(base, site, f"what the actuator {name} does", variables, LEAST * site.value, words)
 
 

@@ -19,6 +19,7 @@ from boom_mj.effects.kinds import OutputEffect as OutputEffect
 from boom_mj.effects.kinds import ResistEffect as ResistEffect
 from boom_mj.effects.kinds import is_output as is_output
 from boom_mj.effects.parameter import Parameter as Parameter
+from boom_mj.effects.parameter import behind as behind
 from boom_mj.effects.registry import Equipped as Equipped
 from boom_mj.effects.registry import builtin as builtin
 from boom_mj.effects.registry import effect_library as effect_library

@@ -21,7 +21,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from boom_mj.effects.parameter import Parameter
+from boom_mj.effects.parameter import Parameter, behind
 from boom_mj.effects.site import Site
 from boom_mj.errors import EffectError
 
@@ -73,8 +73,8 @@ class Effect(ABC):
                 raise EffectError(f"effect {self.id} has no parameter {name!r}; it has: {', '.join(declared)}")
             low, high = declared[name].bounds
             if not low <= value <= high:
-                unit = declared[name].unit
-                raise EffectError(f"effect {self.id}: {name} = {value:g} {unit} is outside [{low:g}, {high:g}]")
+                unit = behind(declared[name].unit)
+                raise EffectError(f"effect {self.id}: {name} = {value:g}{unit} is outside [{low:g}, {high:g}]")
         object.__setattr__(self, "site", site)
         object.__setattr__(self, "values", {k: float(values.get(k, p.neutral)) for k, p in declared.items()})
 

@@ -5,6 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 
+def behind(unit: str) -> str:
+    """A unit as it stands behind a number: " kg", nothing where there is none."""
+    return f" {unit}" if unit != "1" else ""
+
+
 @dataclass(frozen=True)
 class Parameter:
     """A number that an effect takes.
@@ -14,7 +19,7 @@ class Parameter:
         c = (p - p0) / s     "linear",            c = s / p     "inverse": a stiffness, neutral where it is infinite.
 
     Attributes:
-        unit: SI unit.
+        unit: SI unit, 1 where there is none.
         neutral: value at which the effect vanishes.
         low, high: bounds, the neutral value among them.
         typical: distance from neutral that is worth finding; for an inverse one, the value itself.

@@ -16,7 +16,7 @@ def number(value: float | None, digits: int = 3) -> str:
     """A number with so many significant digits; "no bound" where there is none."""
     if value is None or not np.isfinite(value):
         return "no bound"
-    text = f"{value:#.{digits}g}".rstrip(".")
+    text = f"{value:z#.{digits}g}".rstrip(".")
     if "e" in text:
         mantissa, _, power = text.partition("e")
         if 0 < int(power) < 5:

@@ -118,7 +118,7 @@ def test_parameters_are_bounded(kind: type[Effect]) -> None:
         declared = kind.parameters(site)
         assert declared and {*kind.free(site)} <= {*declared}
         for name, parameter in declared.items():
-            assert parameter.low <= parameter.neutral <= parameter.high
+            assert parameter.low <= parameter.neutral <= parameter.high and parameter.unit
             for beyond in (parameter.low - 1, parameter.high + 1):
                 if np.isfinite(beyond):
                     with pytest.raises(EffectError, match=name):

@@ -172,6 +172,7 @@ def test_the_file_is_written(tmp_path: Path) -> None:
         (number(52.3549, 4), "52.35"),
         (number(1.8318e7), "1.83·10⁷"),
         (number(2.5e-6, 2), "2.5·10⁻⁶"),
+        (number(-0.0), "0.00"),
         (number(None), "no bound"),
         (number(12345.0), "12345"),
         (gap_size(0.993), "0.99"),

@@ -14,7 +14,7 @@ class ActuatorGain(ActuatorEffect):
 
     @classmethod
     def parameters(cls, site: Site) -> Mapping[str, Parameter]:
-        return {"factor": Parameter("", 1.0, 0.5, 2.0, 0.1, likely=(0.8, 1.25))}  # magnets and gears differ by 20 %
+        return {"factor": Parameter("1", 1.0, 0.5, 2.0, 0.1, likely=(0.8, 1.25))}  # magnets and gears differ by 20 %
 
     def apply(self, time: Array, true: Array) -> Array:
         return self.values["factor"] * true

@@ -21,7 +21,7 @@ class BodyMass(ModelEffect):
     @classmethod
     def parameters(cls, site: Site) -> Mapping[str, Parameter]:
         return {
-            "factor": Parameter("", 1.0, 0.1, 10.0, 0.1, likely=(0.7, 1.4))
+            "factor": Parameter("1", 1.0, 0.1, 10.0, 0.1, likely=(0.7, 1.4))
         }  # screws and cables, not twice the part
 
     def edit(self, spec: mujoco.MjSpec, machine: Any) -> None:

@@ -20,7 +20,7 @@ class LinkDensity(ModelEffect):
 
     @classmethod
     def parameters(cls, site: Site) -> Mapping[str, Parameter]:
-        return {"factor": Parameter("", 1.0, 0.1, 10.0, 0.1, likely=(0.7, 1.4))}  # of the same material
+        return {"factor": Parameter("1", 1.0, 0.1, 10.0, 0.1, likely=(0.7, 1.4))}  # of the same material
 
     def edit(self, spec: mujoco.MjSpec, machine: Any) -> None:
         for joint in chain(spec, str(self.location["link"])):

@@ -38,7 +38,7 @@ class LinkStiffness(ModelEffect):
     @classmethod
     def parameters(cls, site: Site) -> Mapping[str, Parameter]:
         if "mjcf" in site.tags:
-            return {"factor": Parameter("", 1.0, 0.05, 20.0, 0.1, likely=(0.5, 2.0))}  # moduli of a batch
+            return {"factor": Parameter("1", 1.0, 0.05, 20.0, 0.1, likely=(0.5, 2.0))}  # moduli of a batch
         return {"factor": Parameter("1", 1.0, 0.2, 5.0, -0.1)}
 
     @classmethod

@@ -17,7 +17,7 @@ class LoadFriction(ResistEffect):
 
     @classmethod
     def parameters(cls, site: Site) -> Mapping[str, Parameter]:
-        return {"share": Parameter("", 0.0, 0.0, 0.9, 0.1, likely=(0.0, 0.4))}  # worm gears lose 40 %
+        return {"share": Parameter("1", 0.0, 0.0, 0.9, 0.1, likely=(0.0, 0.4))}  # worm gears lose 40 %
 
     def resist(self, speed: Array, load: Array) -> Array:
         small = 0.02 * max(float(np.sqrt(np.mean(speed**2))), 1e-12)

@@ -40,7 +40,7 @@ class RelaxingStiffness(ModelEffect):
     @classmethod
     def parameters(cls, site: Site) -> Mapping[str, Parameter]:
         return {
-            "share": Parameter("", 0.0, 0.0, 0.9, 0.1, likely=(0.0, 0.5)),  # filled rubbers lose up to a half
+            "share": Parameter("1", 0.0, 0.0, 0.9, 0.1, likely=(0.0, 0.5)),  # filled rubbers lose up to a half
             "time": Parameter("s", 0.1, 0.005, 100.0, 0.1),
         }
 

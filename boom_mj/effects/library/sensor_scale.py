@@ -15,7 +15,7 @@ class SensorScale(ChannelEffect):
 
     @classmethod
     def parameters(cls, site: Site) -> Mapping[str, Parameter]:
-        return {"factor": Parameter("", 1.0, 0.5, 2.0, 0.05, likely=(0.95, 1.05))}  # gauges are good to 5 %
+        return {"factor": Parameter("1", 1.0, 0.5, 2.0, 0.05, likely=(0.95, 1.05))}  # gauges are good to 5 %
 
     def apply(self, time: Array, true: Array) -> Array:
         return self.values["factor"] * true

@@ -24,7 +24,7 @@ class SprungInertia(ModelEffect):
 
     @classmethod
     def parameters(cls, site: Site) -> Mapping[str, Parameter]:
-        return {"factor": Parameter("", 1.0, 0.01, 100.0, 1.0, likely=(0.5, 2.0))}  # beyond it the drawing is another
+        return {"factor": Parameter("1", 1.0, 0.01, 100.0, 1.0, likely=(0.5, 2.0))}  # beyond it the drawing is another
 
     def edit(self, spec: mujoco.MjSpec, machine: Any) -> None:
         joint, factor = spec.joint(str(self.location["joint"])), self.values["factor"]

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from boom_mj.diagnosis import estimated_nuisances
+from boom_mj.effects import behind
 from boom_mj.report.diagnosis.view import View
 from boom_mj.report.section import Section
 from boom_mj.report.words import (
@@ -109,7 +110,7 @@ def rows(effect: Mapping[str, Any]) -> list[dict[str, str]]:
             "parameter": name,
             "value": number(p["value"], digits := digits_of(p["low"], p["high"])),
             "interval": f"{number(p['low'], digits)} to {number(p['high'], digits)}",
-            "unit": "" if p["unit"] == "1" else p["unit"],
+            "unit": behind(p["unit"]).lstrip(),
             "alone": "" if alone is None else percent(alone),
             "probability": percent(effect["probability"]),
         }
@@ -123,7 +124,7 @@ def offsets(view: View) -> list[str]:
     for effect in estimated_nuisances(view.found):
         for name, value in effect.values.items() if effect.id == view.facts.wording.zero_offset else ():
             unit = effect.declared[name].unit
-            size = f"{np.degrees(value):+.2f}°" if unit == "rad" else f"{value:+.2g} {unit}"
+            size = f"{np.degrees(value):+.2f}°" if unit == "rad" else f"{value:+.2g}{behind(unit)}"
             place = " and ".join(f"{k}{SPACE}{v}" for k, v in effect.location.items())
             place = place or name.replace("joint", f"joint{SPACE}")
             found.append(f"{place} {size.replace('-', MINUS)}")

@@ -141,7 +141,7 @@ def _actuators(spec: mujoco.MjSpec, channels: ChannelMap, logs: Sequence[Recordi
         if entry.actuator and (entry.role == "control" or judged):
             size = max(_rms(_logged(entry.name, logs)), TINY)
             key = (("actuator", entry.actuator),)
-            yield Site(key, frozenset({"mjcf"}), unit=entry.unit, value=size, step=_step(entry.name, logs))
+            yield Site(key, frozenset({"mjcf"}), unit=entry.unit or "1", value=size, step=_step(entry.name, logs))
 
 
 def _channels(spec: mujoco.MjSpec, channels: ChannelMap, logs: Sequence[Recording]) -> Iterator[Site]:
@@ -153,7 +153,7 @@ def _channels(spec: mujoco.MjSpec, channels: ChannelMap, logs: Sequence[Recordin
             tags |= {"temperature"} if channels.temperature(joint_moved(spec, entry)) else set()
             size = max(float(np.std(values[np.isfinite(values)])), TINY)
             key = (("channel", entry.name),)
-            yield Site(key, frozenset(tags), unit=entry.unit, value=size, step=_step(entry.name, logs))
+            yield Site(key, frozenset(tags), unit=entry.unit or "1", value=size, step=_step(entry.name, logs))
 
 
 def _logged(name: str, logs: Sequence[Recording]) -> Array:
