@@ -20,6 +20,7 @@ from math import factorial
 import numpy as np
 
 from boom_mj.diagnosis.candidate import apart
+from boom_mj.diagnosis.decision import converged
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.scoring import Scored
 from boom_mj.effects import Effect
@@ -148,9 +149,15 @@ def inclusion(found: Odds, scored: Sequence[Scored], effect: Effect) -> float:
 def needed(best: Scored, scored: Sequence[Scored], as_built: Array, effect: Effect) -> bool:
     """Whether whatever does without a cause leaves much more, in 95 of 100 draws: so sure is it, whatever is left.
 
+    A cause that may do nothing at all, by the interval of its sizes, is not.
+
     Explanations that hold a special case of it, or of which it is one, do not do without it.
     """
-    model, others = best.model, [one for one in scored if apart(type(effect), effect.site, one.fit.effects)]
+    model = best.model
+    if not best.shows(effect):
+        return False
+    rivals = converged(scored) if model.criteria.gain_z else scored
+    others = [one for one in rivals if apart(type(effect), effect.site, one.fit.effects)]
     if model.criteria.gain_z:
         residuals = [best.fit.residual, as_built, *(one.fit.residual for one in others)]
         cells, windows = log_squares(model.data, np.array(residuals))

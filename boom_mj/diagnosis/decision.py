@@ -8,6 +8,7 @@ from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.scoring import Scored, correlated
 from boom_mj.estimation.bootstrap import Closure, log_squares, mean_over, worse_by
 from boom_mj.estimation.intervals import FEWEST, robust_variance
+from boom_mj.estimation.least_squares import OPTIONS
 
 Array = np.ndarray
 Gaps = tuple[float, float]  # training, held out
@@ -85,6 +86,7 @@ def _within_error(scored: Sequence[Scored]) -> Scored:
 
     One of likely sizes goes before one of unlikely ones (`Scored.doubt`).
     """
+    scored = converged(scored)
     criteria, data = scored[0].model.criteria, scored[0].model.data
     logs = log_squares(data, np.array([j.fit.residual for j in scored]))[0].mean(axis=1) + [j.doubt for j in scored]
     price = {id(j): log + criteria.parameter_cost * len(j.fit.scaled) for j, log in zip(scored, logs)}
@@ -97,6 +99,22 @@ def _within_error(scored: Sequence[Scored]) -> Scored:
     best = min(scored, key=lambda j: price[id(j)])
     alike = [j for j in near(best, criteria.gain_z) if j.plausible or not best.plausible]
     return min(alike, key=lambda j: (len(j.fit.effects), len(j.fit.scaled), price[id(j)]), default=best)
+
+
+def converged(scored: Sequence[Scored]) -> list[Scored]:
+    """Those that fit training no worse than any that they contain, and of whose effects none came out neutral.
+
+    Of others it is chance what they say held out.
+    """
+
+    def contains(found: Scored, other: Scored) -> bool:
+        return set(other.fit.candidate.places) < set(found.fit.candidate.places) or nested(other, found)
+
+    def worse(found: Scored, other: Scored) -> bool:
+        return found.train**2 > (1 + OPTIONS.rough) * other.train**2
+
+    ended = [j for j in scored if not any(worse(j, one) and contains(j, one) for one in scored)]
+    return [j for j in ended if all(np.any(at) for at in j.by_effect(j.fit.scaled))] or ended
 
 
 def _price(found: Scored) -> float:

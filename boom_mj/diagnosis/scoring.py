@@ -7,6 +7,7 @@ import numpy as np
 
 from boom_mj.diagnosis.fitting import Fit
 from boom_mj.diagnosis.linearisation import Linearisation
+from boom_mj.effects import Effect
 from boom_mj.estimation.bootstrap import Closure, closure, gap
 from boom_mj.estimation.intervals import Z95, robust_variance
 from boom_mj.estimation.least_squares import OPTIONS
@@ -36,6 +37,16 @@ class Scored:
     @property
     def gaps(self) -> tuple[float, float]:
         return self.train, self.held_out
+
+    def by_effect(self, scaled: Array) -> list[Array]:
+        """What is said of every parameter, (p,), for every effect by itself."""
+        owners = np.array([owner for owner, *_ in self.fit.candidate.parameters])
+        return [scaled[owners == k] for k in range(len(self.fit.effects))]
+
+    def shows(self, effect: Effect) -> bool:
+        """Whether the 95 % interval of one of an effect's sizes leaves out where it does nothing."""
+        beyond = self.by_effect(np.abs(self.fit.scaled) > Z95 * self.deviation)
+        return bool(beyond[self.fit.effects.index(effect)].any())
 
     @property
     def plausible(self) -> bool:

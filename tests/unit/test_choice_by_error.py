@@ -1,6 +1,5 @@
 """Of explanations of an MJCF machine the simplest is chosen that is no worse than the best by a standard error."""
 
-from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import Any
 
@@ -8,8 +7,9 @@ import numpy as np
 import pytest
 
 from boom_mj.diagnosis.criteria import MJCF
-from boom_mj.diagnosis.decision import choose, held_out_loss
-from boom_mj.diagnosis.scoring import _hidden
+from boom_mj.diagnosis.decision import choose, converged, held_out_loss
+from boom_mj.diagnosis.scoring import Scored, _hidden
+from boom_mj.effects import Parameter
 
 WINDOWS = np.repeat(np.arange(40), 25)
 ALL = np.ones(1000, bool)
@@ -18,60 +18,50 @@ MODEL: Any = SimpleNamespace(criteria=MJCF, data=DATA, facts=SimpleNamespace(rep
 NOISE = np.random.default_rng(1).normal(size=1000)
 
 
-@dataclass(frozen=True)
-class Explanation:
-    """As `Scored`, of so many causes, that leaves so much."""
-
-    causes: int
-    residual: np.ndarray = field(repr=False)
-    plausible: bool = True
-    model: Any = field(default_factory=lambda: MODEL)
-
-    @property
-    def doubt(self) -> float:
-        return 0.0 if self.plausible else -2 * float(np.log(MJCF.unlikely_gap))
-
-    @property
-    def held_out(self) -> float:
-        return float(np.sqrt(np.mean(self.residual**2)))
-
-    @property
-    def gaps(self) -> tuple[float, float]:
-        return self.held_out, self.held_out
-
-    @property
-    def fit(self) -> Any:
-        return SimpleNamespace(effects=range(self.causes), scaled=range(self.causes), residual=self.residual)
+def explanation(
+    causes: int, residual: np.ndarray, plausible: bool = True, train: float | None = None, sizes: Any = None
+) -> Scored:
+    """Of causes 1, 2, .. of one size each that leave so much, in training as much unless said."""
+    size = Parameter("1", 0.0, -9.0, 9.0, 1.0, likely=(0.0, 1.0))
+    values = {"size": 1.0 if plausible else 5.0}
+    effects = [
+        SimpleNamespace(id=str(k), declared={"size": size}, values=values, special_cases=()) for k in range(causes)
+    ]
+    candidate = SimpleNamespace(places=tuple(range(causes)), parameters=[(k, "size", size) for k in range(causes)])
+    scaled = np.ones(causes) if sizes is None else np.array(sizes)
+    fit: Any = SimpleNamespace(effects=effects, candidate=candidate, scaled=scaled, residual=residual)
+    left = float(np.sqrt(np.mean(residual**2)))
+    return Scored(fit, MODEL, left if train is None else train, left, np.full(causes, 0.4))
 
 
-def leaving(size: float, causes: int, seed: int = 0, **more: Any) -> Explanation:
+def leaving(size: float, causes: int, seed: int = 0, **more: Any) -> Scored:
     """Noise, and something of a size that has no pattern."""
-    return Explanation(causes, NOISE + size * np.random.default_rng(seed).normal(size=1000), **more)
+    return explanation(causes, NOISE + size * np.random.default_rng(seed).normal(size=1000), **more)
 
 
 NOMINAL = (10.0, 10.0)
 
 
 def test_a_second_cause_that_closes_a_twentieth_counts_when_it_is_sure() -> None:
-    one = Explanation(1, 4.0 * NOISE)
-    two = Explanation(2, 3.8 * NOISE)
-    loss, error = held_out_loss(MODEL, two.residual, one.residual)
+    one = explanation(1, 4.0 * NOISE)
+    two = explanation(2, 3.8 * NOISE)
+    loss, error = held_out_loss(MODEL, two.fit.residual, one.fit.residual)
     assert loss > 5 * error
-    assert choose([two, one], NOMINAL) is two  # type: ignore[list-item]
+    assert choose([two, one], NOMINAL) is two
 
 
 def test_a_second_cause_within_its_error_does_not() -> None:
     one, two = leaving(3.0, 1, 5), leaving(3.0, 2, 6)
     best, other = sorted((one, two), key=lambda j: j.held_out)
-    loss, error = held_out_loss(MODEL, best.residual, other.residual)
+    loss, error = held_out_loss(MODEL, best.fit.residual, other.fit.residual)
     assert loss < error
-    assert choose([best, other], NOMINAL) is one  # type: ignore[list-item]
+    assert choose([best, other], NOMINAL) is one
 
 
 @pytest.mark.parametrize(("better", "chosen"), [(2.5, "likely"), (1.0, "unlikely")])
 def test_an_unlikely_size_must_leave_half_of_what_a_likely_one_leaves(better: float, chosen: str) -> None:
     likely, unlikely = leaving(4.0, 1, 5), leaving(better, 1, 6, plausible=False)
-    found = choose([unlikely, likely], NOMINAL)  # type: ignore[list-item]
+    found = choose([unlikely, likely], NOMINAL)
     assert found is {"likely": likely, "unlikely": unlikely}[chosen]
 
 
@@ -80,16 +70,40 @@ def test_the_worst_moments_do_not_outvote_all_others() -> None:
     one = 4.0 * NOISE
     two = np.where(WINDOWS == 7, 20.0, 3.0) * NOISE
     assert np.mean(two**2) > np.mean(one**2)
-    assert choose([Explanation(1, one), best := Explanation(2, two)], NOMINAL) is best  # type: ignore[list-item]
+    assert choose([explanation(1, one), best := explanation(2, two, train=3.9)], NOMINAL) is best
+
+
+def test_a_fit_that_ends_worse_than_without_one_of_its_causes_has_not_ended() -> None:
+    """What it says of recordings held out is chance, be it as well as it may."""
+    one, two = explanation(1, 4.0 * NOISE), explanation(2, 2.0 * NOISE, train=4.5)
+    assert choose([two, one], NOMINAL) is one
+    assert converged([two, one]) == [one] and converged([two]) == [two]
+    assert choose([better := explanation(2, 2.0 * NOISE, train=3.9), one], NOMINAL) is better
+    as_well = explanation(2, 2.0 * NOISE, train=one.train * 1.004)  # within what fits end apart
+    assert converged([as_well, one]) == [as_well, one]
+
+
+def test_a_cause_that_came_out_neutral_is_none() -> None:
+    idle = explanation(2, 2.0 * NOISE, sizes=(1.0, 0.0))
+    assert choose([idle, one := explanation(1, 4.0 * NOISE)], NOMINAL) is one
+    assert converged([idle]) == [idle]  # there is no other
+
+
+@pytest.mark.parametrize("size", [0.7, 0.8, -0.8])
+def test_a_cause_shows_whose_interval_leaves_out_where_it_does_nothing(size: float) -> None:
+    """Sizes with a deviation of 0.4: 95 % within 0.784."""
+    best = explanation(2, 2.0 * NOISE, sizes=(1.0, size))
+    first, second = best.fit.effects
+    assert best.shows(first) and best.shows(second) == (abs(size) > 0.784)
 
 
 def test_few_recordings_make_a_standard_error_no_smaller() -> None:
     """Where stretches are enough, what differs from one to the next counts; two are too few to tell."""
     one, two = leaving(3.0, 1, 5), leaving(2.5, 2, 6)
-    by_window = held_out_loss(MODEL, two.residual, one.residual)
+    by_window = held_out_loss(MODEL, two.fit.residual, one.fit.residual)
     many = SimpleNamespace(**{**vars(DATA), "recording_of": WINDOWS // 5})
     model: Any = SimpleNamespace(criteria=MJCF, data=many, facts=MODEL.facts)
-    assert held_out_loss(model, two.residual, one.residual)[1] >= by_window[1]
+    assert held_out_loss(model, two.fit.residual, one.fit.residual)[1] >= by_window[1]
 
 
 def test_hidden_error_vanishes_at_the_floor_and_grows_with_what_is_left() -> None:

@@ -107,11 +107,13 @@ def test_of_the_same_causes_the_fewer_parameters_stand_by_mean_squares() -> None
 
 
 def test_a_cause_is_needed_where_the_rest_leaves_much_more(monkeypatch: pytest.MonkeyPatch) -> None:
-    best, rival = scored(1.0, PAYLOAD), scored(1.2, HOSE)
+    best, rival = replace(scored(1.0, PAYLOAD), deviation=np.array([0.3])), scored(1.2, HOSE)
     for left, needed in ((1.0, True), (1.7, True), (1.9, False)):  # of 2.5: closes all, 53 %, 40 %
         squares = np.tile([left, 9.0, 2.5], (11, 1))
         monkeypatch.setattr(budget, "_mean_squares", lambda *given, squares=squares: squares)
         assert budget.needed(best, [best, rival], np.zeros(0), best.fit.effects[0]) == needed
+        unsure = replace(best, deviation=np.array([0.35]))  # 0.675 +- 0.69: it may do nothing
+        assert not budget.needed(unsure, [unsure, rival], np.zeros(0), best.fit.effects[0])
     monkeypatch.setattr(budget, "needed", lambda best, scored, as_built, effect: effect.id == "end_hose")
     assert budget.any_needed(scored(1.0, PAYLOAD, HOSE), [], np.zeros(0)) is True
     assert budget.any_needed(best, [], np.zeros(0)) is False
