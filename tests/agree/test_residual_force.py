@@ -31,7 +31,13 @@ def test_a_payload_asks_for_its_weight():
     data = dataset_of(system, [held], 1)
     heavy, plain = Predictor(system, data, threads=1).predict([(make_effect("tip_payload", {"mass": MASS}),), ()], ONE)
     noise = NoiseModel(data, np.where(data.used, 1 / data.noise, 0.0), 0 * plain)
-    found = {(p.part, p.direction): p for p in system.forces(data, noise.white(heavy - plain), noise.weight)}
+    white = noise.white(heavy - plain)
+    found = {(p.part, p.direction): p for p in system.forces(data, white, noise.weight)}
+
+    unplugged = data.spread([channel.group == "cylinder3" for channel in data.channels]).astype(bool)
+    rest = system.forces(data, np.where(unplugged, 0.0, white), np.where(unplugged, 0.0, noise.weight))
+    assert {(p.part, p.direction): p for p in rest} == {k: p for k, p in found.items() if k[0] != "cylinder3"}
+    assert ("cylinder3", "force") in found
 
     plant = make_plant(BOOM, 1)
     turn = np.zeros((3, plant.model.nv))

@@ -43,8 +43,9 @@ def _of_cylinders(data: Dataset, white: Array, weight: Array) -> Iterator[Residu
     for part in sorted({channel.group for channel in data.channels if channel.signal == "cylinder/force"}):
         own = data.spread([channel.group == part for channel in data.channels]).astype(bool)
         rows = own & (weight > 0)
-        lacking, ratio = (np.sqrt(np.mean(v**2)) for v in (white[rows] / weight[rows], white[rows]))
-        yield ResidualForce(part, "force", float(lacking), "N", float(ratio))
+        if rows.any():
+            lacking, ratio = (np.sqrt(np.mean(v**2)) for v in (white[rows] / weight[rows], white[rows]))
+            yield ResidualForce(part, "force", float(lacking), "N", float(ratio))
 
 
 def _of_hinges(
