@@ -87,7 +87,7 @@ def outlying(model: Linearisation, as_built: Array, scored: Sequence[Scored]) ->
         scored: explanations that were tried.
     """
     data, criteria, before = model.data, model.criteria, gap(as_built, model.data.held_out)
-    most = near(model, before) if criteria.gain_z else np.inf  # what never reaches the floor is not solved else
+    most = near(model, before)
     residuals = [as_built, *(one.fit.residual for one in scored)]
     parts: list[tuple[float, _Part]] = []
     for residual, found in zip(residuals, [None, *scored]):

@@ -1,16 +1,16 @@
 """Search stages: single causes, then combinations, fitted roughly; the leaders are refined about what they make."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from boom_mj.diagnosis.candidate import Candidate, Kind, apart
+from boom_mj.diagnosis.candidate import Candidate
 from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.decision import Gaps, choose, nested, solved, sure, useful
 from boom_mj.diagnosis.fitting import fit, grid_starts
 from boom_mj.diagnosis.linearisation import Linearisation
-from boom_mj.diagnosis.lines import spectral_lines
+from boom_mj.diagnosis.partners import pairs_of, partners_of, shared
 from boom_mj.diagnosis.refining import begun_anew, near, refine
 from boom_mj.diagnosis.scoring import Scored, score
 from boom_mj.diagnosis.screening import Screened, Screening
@@ -42,17 +42,29 @@ def combined(
         most: causes of a combination; see `diagnose`.
     """
     budget, together = screening.model.budget, most or screening.model.facts.max_causes
+    begun = set[tuple]()
     for size in range(2, 1 + (most or max(together, budget.revealed))):
         if not scored or clock.over(f"{size} causes together"):
             return scored
+        scored = _anew(scored, as_built, begun, clock)
         if not solved(as_built, scored[0]):
-            scored = _combine(scored, size, as_built, screening, clock) if size <= together else scored
+            last = size == together
+            scored = _combine(scored, size, as_built, screening, clock, last) if size <= together else scored
         elif not screening.model.criteria.gain_z:
             leader = _shown(scored, as_built, size - 1)
             if leader:
                 scored = _revealed(leader, scored, screening, clock)
-    anew = begun_anew(scored[0], as_built, clock)
-    return _simplified(scored if anew is scored[0] else best_of_each([anew, *scored]), as_built, clock)
+    scored = _anew(scored, as_built, begun, clock)
+    worth = screening.model.criteria.gain_z or any(solved(as_built, j) for j in scored)
+    return _simplified(scored, as_built, clock) if worth else scored
+
+
+def _anew(scored: list[Scored], as_built: Gaps, begun: set[tuple], clock: Clock) -> list[Scored]:
+    """With the leader begun anew, but for causes that were begun so before."""
+    places = scored[0].fit.candidate.places
+    anew = scored[0] if places in begun else begun_anew(scored[0], as_built, clock)
+    begun.add(places)
+    return scored if anew is scored[0] else best_of_each([anew, *scored])
 
 
 def shortlist(model: Linearisation, screened: Sequence[Screened]) -> list[Screened]:
@@ -118,23 +130,34 @@ def best_of_each(found: Iterable[Scored]) -> list[Scored]:
     return list(best.values())
 
 
-def _combine(scored: list[Scored], size: int, as_built: Gaps, screening: Screening, clock: Clock) -> list[Scored]:
-    """Forward, with a swap: partners for the leader, others for one that was there before, then for the next leader."""
+def _combine(
+    scored: list[Scored], size: int, as_built: Gaps, screening: Screening, clock: Clock, last: bool
+) -> list[Scored]:
+    """Forward, with a swap: partners for the leader, others for one that was there before, then for the next leader.
+
+    Of a machine that swings only as long as no partner has closed its share, unless no more may follow.
+    """
     model = scored[0].model
     leaders = [j for j in scored if len(j.fit.effects) == size - 1 and useful(j, as_built)]
     trunks = [(_about(j, as_built, screening.model), j.fit.effects) for j in leaders[: model.budget.leaders]]
     before, seen = scored[0].gaps, set[tuple]()
     saving = model.facts.oscillatory  # where all is soon tried a tie is worth the look
-    while trunks and not (saving and solved(as_built, scored[0])):
+    while trunks and not (saving and (solved(as_built, scored[0]) or (not last and _goes_on(scored[0], before)))):
         about, trunk = trunks.pop(0)
         if (machine := (id(about), Candidate(trunk).places)) in seen:
             continue
-        pairs = _pairs(trunk, _partners(about, trunk, screening, clock)) + _shared(trunk, scored)
+        pairs = pairs_of(trunk, partners_of(about, trunk, screening, clock)) + shared(trunk, scored)
         scored = _paired(scored, about, pairs, before, clock)
         if not seen and len(scored[0].fit.effects) == size:
             trunks.insert(0, (_about(scored[0], as_built, screening.model), _without_the_least(scored[0])))
         seen.add(machine)
     return scored
+
+
+def _goes_on(found: Scored, before: Gaps) -> bool:
+    """Whether one more cause has closed its share of what was left above noise, in training and held out."""
+    left = 1 - found.model.criteria.required_gain
+    return all(after - 1 < left * (gap - 1) for after, gap in zip(found.gaps, before))
 
 
 def _without_the_least(found: Scored) -> tuple[Effect, ...]:
@@ -176,35 +199,8 @@ def _revealed(leader: Scored, scored: list[Scored], screening: Screening, clock:
     glance = screening.promises(trunk, model.residual(*model.predict([trunk])), model, leader.fit.jacobian)
     if max(glance.values(), default=0.0) < least:
         return scored
-    partners = [partner for partner in _partners(model, trunk, screening, clock) if partner.share >= least]
-    return _paired(scored, model, _pairs(trunk, partners), leader.gaps, clock) if partners else scored
-
-
-def _partners(model: Linearisation, trunk: tuple[Effect, ...], screening: Screening, clock: Clock) -> list[Screened]:
-    """What screening suggests about the machine that effects make.
-
-    Simulated are those that at a glance promise most and a sample of the others; where these surprise, all.
-    """
-    clock.tell("screening beside " + Candidate(trunk).label)
-    model, count = model.conditional_on(trunk), model.budget.partners
-    raw = model.residual(*model.predict([trunk]))
-    lines = spectral_lines(model, model.clean(raw))
-    glance = screening.beside(trunk, raw, lines)
-    kinds, first = list(glance), count + list(glance.values()).count(np.inf)
-    sample = kinds[:first] + kinds[first :: model.budget.every]
-    some = Screening(model, sample, lines, trunk, near=True)
-    ranked = some.rank(raw)
-    others = [promise for kind, promise in glance.items() if kind not in sample]
-    if others and (_surprising(ranked, glance, model.budget.surprise) or max(others) > ranked[:count][-1].share):
-        ranked = Screening(model, kinds, lines, trunk, done=some).rank(raw)
-    return ranked[:count]
-
-
-def _surprising(ranked: Sequence[Screened], glance: Mapping[Kind, float], surprise: float) -> bool:
-    """Whether any promises more than at a glance, by a share of the best; a latent input is more than its column."""
-    effects = [one.candidate.effects[0] for one in ranked]
-    more = [s.share - glance[type(e), e.site] for s, e in zip(ranked, effects) if not e.basis(0.0)]
-    return max(more, default=0.0) > surprise * ranked[0].share
+    partners = [partner for partner in partners_of(model, trunk, screening, clock) if partner.share >= least]
+    return _paired(scored, model, pairs_of(trunk, partners), leader.gaps, clock) if partners else scored
 
 
 def _paired(
@@ -216,18 +212,6 @@ def _paired(
     clock.tell("combinations: " + ", ".join(dict.fromkeys(pair.label for pair, _ in pairs)))
     found = _refined(_fit_by_promise(model, pairs, before[0], clock), before, clock)
     return sorted([*scored, *found], key=lambda j: j.held_out)
-
-
-def _pairs(trunk: tuple[Effect, ...], partners: Sequence[Screened]) -> list[tuple[Candidate, float]]:
-    """Effects together with partners, and what these promise."""
-    return [(Candidate((*trunk, *start.effects)), partner.share) for partner in partners for start in partner.starts]
-
-
-def _shared(trunk: tuple[Effect, ...], scored: Sequence[Scored]) -> list[tuple[Candidate, float]]:
-    """Effects together with the best of those that do not share a cause with them: each may stand for part of both."""
-    alone = [j.fit.effects[0] for j in scored if len(j.fit.effects) == 1]
-    free = [effect for effect in alone if apart(type(effect), effect.site, trunk)]
-    return [(Candidate((*trunk, effect)), 0.0) for effect in free[: scored[0].model.budget.singles_beside]]
 
 
 def _simplified(scored: list[Scored], as_built: Gaps, clock: Clock) -> list[Scored]:

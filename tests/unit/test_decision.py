@@ -12,8 +12,8 @@ from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.criteria import BOOM, SearchBudget
 from boom_mj.diagnosis.decision import choose, solved
 from boom_mj.diagnosis.fitting import Fit
+from boom_mj.diagnosis.partners import shared
 from boom_mj.diagnosis.scoring import Scored
-from boom_mj.diagnosis.stages import _shared
 from boom_mj.effects import BOOM_SITES, Effect, effect_library, parse_effect
 
 BUDGET = SearchBudget()
@@ -67,7 +67,7 @@ def test_beside_what_suffices_another_is_tried_where_one_may_hide(
     about = SimpleNamespace(**vars(MODEL), predict=lambda given: given, residual=lambda said: said)
     screening = SimpleNamespace(promises=lambda *given: {SOFT: glance}, model=about)
     partner = SimpleNamespace(share=promised, starts=[Candidate((parse_effect(SOFT),))])
-    monkeypatch.setattr(stages, "_partners", lambda *given: [partner])
+    monkeypatch.setattr(stages, "partners_of", lambda *given: [partner])
     monkeypatch.setattr(stages, "_paired", lambda found, *given: [pair, *found])
     monkeypatch.setattr(stages, "_simplified", lambda found, *given: found)
     found = stages.combined([replace(single, model=about)], NOMINAL, screening, Clock(), 2)  # type: ignore[arg-type]
@@ -159,10 +159,10 @@ def test_a_cause_that_training_or_held_out_data_do_not_show_is_none() -> None:
 def test_the_best_of_what_was_alone_are_tried_beside_a_leader_but_not_its_own_causes() -> None:
     alone = [scored(size, text) for size, text in ((1.4, PAYLOAD), (1.8, SOFTER), (2.0, SOFT), (2.8, CONCRETE))]
     found = [*alone, scored(3.0, "end_hose:mass=20")]
-    tried = [pair.label for pair, _ in _shared(found[0].fit.effects, found)]
+    tried = [pair.label for pair, _ in shared(found[0].fit.effects, found)]
     assert tried == ["tip_payload + base_compliance axes roll+pitch", "tip_payload + base_compliance axes roll"]
     assert len(tried) == BUDGET.singles_beside
-    beside = [pair.label for pair, _ in _shared(found[1].fit.effects, found)]
+    beside = [pair.label for pair, _ in shared(found[1].fit.effects, found)]
     assert beside == [
         "base_compliance axes roll+pitch + tip_payload",
         "base_compliance axes roll+pitch + pipe_concrete",

@@ -1,14 +1,16 @@
 """Partners of a leader: a glance that tells spares simulations, and one that does not costs no partner."""
 
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import Any
 
-from algebra import HUM, RAMP, SQUARE, TIME, model
+from algebra import HUM, LATE, RAMP, SQUARE, TIME, Ramp, causes, model, predictor, term
 from pytest import MonkeyPatch, approx, fixture, mark
 
-from boom_mj.diagnosis import stages
+from boom_mj.diagnosis import diagnose, stages
 from boom_mj.diagnosis.candidate import everywhere
 from boom_mj.diagnosis.clock import Clock
+from boom_mj.diagnosis.criteria import BOOM
 from boom_mj.diagnosis.screening import Screening
 
 LASTS = TIME[-1]
@@ -26,8 +28,8 @@ def partners(library: None, monkeypatch: MonkeyPatch) -> tuple[Partners, list[in
             simulated.append(len(kinds))
             super().__init__(model, kinds, *others, **known)
 
-    monkeypatch.setattr(stages, "Screening", Counted)
-    return lambda: [one.candidate.places for one in stages._partners(about, (SQUARE,), screening, Clock())], simulated
+    monkeypatch.setattr("boom_mj.diagnosis.partners.Screening", Counted)
+    return lambda: [one.candidate.places for one in stages.partners_of(about, (SQUARE,), screening, Clock())], simulated
 
 
 def test_a_glance_that_tells_spares_simulations(partners: tuple[Partners, list[int]]) -> None:
@@ -68,3 +70,43 @@ def test_what_is_known_of_a_machine_is_not_simulated_again() -> None:
     rest, second = screened(kinds, near=True, done=some)
     assert rest.columns == approx(near.columns)
     assert first + second <= cheaper + 2 * LASTS  # the machine itself and its square once more
+
+
+@fixture
+def looked(library: None, monkeypatch: MonkeyPatch) -> Callable[..., list[int]]:
+    """Number of causes of every leader, or part of one, beside which partners were sought of a machine of three."""
+    found, partners_of = list[int](), stages.partners_of
+
+    def counted(about, trunk, *others):
+        found.append(len(trunk))
+        return partners_of(about, trunk, *others)
+
+    def search(most: int = 3) -> list[int]:
+        found.clear()
+        true = LATE, HUM, term(Ramp, 2, -0.03)
+        answer = diagnose(predictor(true), most=most)
+        assert causes(answer) == {effect.cause for effect in true[:most]}
+        return list(found)
+
+    monkeypatch.setattr(stages, "partners_of", counted)
+    return search
+
+
+def test_where_a_cause_closes_its_share_no_other_leader_is_looked_at(
+    looked: Callable[..., list[int]], monkeypatch: MonkeyPatch
+) -> None:
+    assert looked() == [1, 2]
+    monkeypatch.setattr(stages, "_goes_on", lambda found, before: False)
+    assert looked()[:2] == [1, 1]
+
+
+def test_where_no_more_may_follow_all_are_looked_at(looked: Callable[..., list[int]]) -> None:
+    assert looked(most=2)[:2] == [1, 1]
+
+
+@mark.parametrize(
+    ("after", "goes_on"), [((1.9, 1.9), True), ((2.1, 1.9), False), ((1.9, 2.1), False), ((0.98, 0.98), True)]
+)
+def test_a_share_is_half_of_what_is_above_noise(after: tuple[float, float], goes_on: bool) -> None:
+    found: Any = SimpleNamespace(gaps=after, model=SimpleNamespace(criteria=BOOM))
+    assert stages._goes_on(found, (2.9, 2.9)) == goes_on

@@ -1,0 +1,52 @@
+"""Partners of a leader: what screening about the machine that it makes suggests beside it."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from boom_mj.diagnosis.candidate import Candidate, Kind, apart
+from boom_mj.diagnosis.clock import Clock
+from boom_mj.diagnosis.linearisation import Linearisation
+from boom_mj.diagnosis.lines import spectral_lines
+from boom_mj.diagnosis.scoring import Scored
+from boom_mj.diagnosis.screening import Screened, Screening
+from boom_mj.effects import Effect
+
+
+def partners_of(model: Linearisation, trunk: tuple[Effect, ...], screening: Screening, clock: Clock) -> list[Screened]:
+    """What screening suggests about the machine that effects make.
+
+    Simulated are those that at a glance promise most and a sample of the others; where these surprise, all.
+    """
+    clock.tell("screening beside " + Candidate(trunk).label)
+    model, count = model.conditional_on(trunk), model.budget.partners
+    raw = model.residual(*model.predict([trunk]))
+    lines = spectral_lines(model, model.clean(raw))
+    glance = screening.beside(trunk, raw, lines)
+    kinds, first = list(glance), count + list(glance.values()).count(np.inf)
+    sample = kinds[:first] + kinds[first :: model.budget.every]
+    some = Screening(model, sample, lines, trunk, near=True)
+    ranked = some.rank(raw)
+    others = [promise for kind, promise in glance.items() if kind not in sample]
+    if others and (_surprising(ranked, glance, model.budget.surprise) or max(others) > ranked[:count][-1].share):
+        ranked = Screening(model, kinds, lines, trunk, done=some).rank(raw)
+    return ranked[:count]
+
+
+def _surprising(ranked: Sequence[Screened], glance: Mapping[Kind, float], surprise: float) -> bool:
+    """Whether any promises more than at a glance, by a share of the best; a latent input is more than its column."""
+    effects = [one.candidate.effects[0] for one in ranked]
+    more = [s.share - glance[type(e), e.site] for s, e in zip(ranked, effects) if not e.basis(0.0)]
+    return max(more, default=0.0) > surprise * ranked[0].share
+
+
+def pairs_of(trunk: tuple[Effect, ...], partners: Sequence[Screened]) -> list[tuple[Candidate, float]]:
+    """Effects together with partners, and what these promise."""
+    return [(Candidate((*trunk, *start.effects)), partner.share) for partner in partners for start in partner.starts]
+
+
+def shared(trunk: tuple[Effect, ...], scored: Sequence[Scored]) -> list[tuple[Candidate, float]]:
+    """Effects together with the best of those that do not share a cause with them: each may stand for part of both."""
+    alone = [j.fit.effects[0] for j in scored if len(j.fit.effects) == 1]
+    free = [effect for effect in alone if apart(type(effect), effect.site, trunk)]
+    return [(Candidate((*trunk, effect)), 0.0) for effect in free[: scored[0].model.budget.singles_beside]]
