@@ -110,3 +110,25 @@ def test_where_no_more_may_follow_all_are_looked_at(looked: Callable[..., list[i
 def test_a_share_is_half_of_what_is_above_noise(after: tuple[float, float], goes_on: bool) -> None:
     found: Any = SimpleNamespace(gaps=after, model=SimpleNamespace(criteria=BOOM))
     assert stages._goes_on(found, (2.9, 2.9)) == goes_on
+
+
+@mark.usefixtures("library")
+@mark.parametrize("kind", ["boom", "mjcf"])
+def test_what_explains_nothing_is_made_simpler_only_where_the_floor_is_never_reached(
+    kind: str, monkeypatch: MonkeyPatch
+) -> None:
+    simplified = list[int]()
+    monkeypatch.setattr(stages, "_simplified", lambda scored, *others: simplified.append(len(scored)) or scored)
+    answer = diagnose(predictor((SQUARE,), kind=kind, oscillatory=kind == "boom"), without=("square",))
+    assert answer.verdict == "unexplained" and bool(simplified) == (kind == "mjcf")
+
+
+def test_a_leader_is_begun_anew_once(monkeypatch: MonkeyPatch) -> None:
+    def scored(name: str, held_out: float) -> Any:
+        return SimpleNamespace(fit=SimpleNamespace(candidate=SimpleNamespace(places=(name,))), held_out=held_out)
+
+    one, better, begun = scored("one", 2.0), scored("one", 1.5), set[tuple]()
+    monkeypatch.setattr(stages, "begun_anew", lambda leader, *others: better if leader is one else leader)
+    assert stages._anew([one], (3.0, 3.0), begun, Clock()) == [better]
+    assert stages._anew([one], (3.0, 3.0), begun, Clock()) == [one] and begun == {("one",)}
+    assert stages._anew([other := scored("other", 1.8)], (3.0, 3.0), begun, Clock()) == [other]
