@@ -107,13 +107,11 @@ def converged(scored: Sequence[Scored]) -> list[Scored]:
     Of others it is chance what they say held out.
     """
 
-    def contains(found: Scored, other: Scored) -> bool:
-        return set(other.fit.candidate.places) < set(found.fit.candidate.places) or nested(other, found)
+    def worse(found: Scored, part: Scored) -> bool:
+        contains = set(part.fit.candidate.places) < set(found.fit.candidate.places)
+        return contains and found.train**2 > (1 + OPTIONS.rough) * part.train**2
 
-    def worse(found: Scored, other: Scored) -> bool:
-        return found.train**2 > (1 + OPTIONS.rough) * other.train**2
-
-    ended = [j for j in scored if not any(worse(j, one) and contains(j, one) for one in scored)]
+    ended = [j for j in scored if not any(worse(j, one) for one in scored)]
     return [j for j in ended if all(np.any(at) for at in j.by_effect(j.fit.scaled))] or ended
 
 
