@@ -74,7 +74,7 @@ def _turned(evidence: Evidence, names: Sequence[str]) -> Iterator[Found]:
     ratios = {
         index: found
         for index, found in ratios.items()
-        if names == [DRIVE] or np.mean([r > TURNED for r in found.values()]) < MANY
+        if names == [DRIVE] or sum(r > TURNED for r in found.values()) < MANY * len(found)
     }
     for (name, column), ratio in by_case(ratios).items():
         sound = min(ratio.values()) < 1 / TURNED
