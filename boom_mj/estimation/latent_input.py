@@ -134,4 +134,6 @@ def _steadiness(parts: Sequence[Part], strength: float, residual: Array, window:
         expected.append(np.add.reduceat(part.turn**2 @ gain, begins))
     power, informed = np.concatenate(found), np.concatenate(expected)
     heard = informed > HEARD * informed.mean()
+    if not heard.any():
+        return 0.0
     return float(np.median(power[heard] / informed[heard]) * informed.sum() / max(power.sum(), 1e-12))

@@ -9,7 +9,17 @@ import pytest
 from boom_mj.diagnosis.latent import UnitResponses, latent_input_of, units_of
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.effects import Effect, make_effect
-from boom_mj.estimation.latent_input import CORRELATION_S, KNOT_S, NONE, LatentInput, Part, _steadiness, posterior
+from boom_mj.estimation.latent_input import (
+    CORRELATION_S,
+    KNOT_S,
+    NONE,
+    LatentInput,
+    Part,
+    _steadiness,
+    estimate_latent,
+    make_part,
+    posterior,
+)
 from boom_mj.systems.predictor import Predictor, dataset_of
 
 WIND, BREEZE = ((make_effect("wind", {"mean_speed": speed, "direction": 1.2}),) for speed in (15.0, 2.0))
@@ -69,6 +79,13 @@ def test_what_never_rests_is_steady(acts: int, steady: float) -> None:
     part = Part(slice(0, count), unit, unit, unit, np.full(count, power))
     signs = np.random.default_rng(5).choice([-1.0, 1.0], count) * (np.arange(count) < count * acts / 10)
     assert _steadiness([part], strength, strength * np.sqrt(power) * signs, count // 10) == pytest.approx(steady)
+
+
+@pytest.mark.filterwarnings("error")
+def test_what_nothing_hears_is_not_steady() -> None:
+    part = make_part(slice(0, 30), np.zeros((30, 8)), KNOT_S * np.arange(8))
+    assert part.power.size == 0 and _steadiness([part], 3.0, np.ones(30), 4) == 0.0
+    assert estimate_latent([part], [part], np.ones(30), 4 * KNOT_S, np.inf) is NONE
 
 
 def test_units_are_simulated_where_a_load_ends_and_nothing_moves(model: Linearisation) -> None:
