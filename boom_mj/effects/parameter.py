@@ -7,7 +7,7 @@ import numpy as np
 
 def behind(unit: str) -> str:
     """A unit as it stands behind a number: " kg", nothing where there is none."""
-    return f" {unit}" if unit != "1" else ""
+    return f" {unit}" if unit not in ("", "1") else ""
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from diagnoses import (
 )
 
 from boom_mj.diagnosis import document, nominal_predictor, steps
-from boom_mj.effects import make_effect
+from boom_mj.effects import behind, make_effect
 from boom_mj.report import write_diagnosis
 from boom_mj.report.diagnosis.page import SECTIONS, diagnosis_page
 from boom_mj.report.diagnosis.verdict import _fall
@@ -173,6 +173,7 @@ def test_the_file_is_written(tmp_path: Path) -> None:
         (number(1.8318e7), "1.83·10⁷"),
         (number(2.5e-6, 2), "2.5·10⁻⁶"),
         (number(-0.0), "0.00"),
+        (behind("kg") + behind("1") + behind(""), " kg"),
         (number(None), "no bound"),
         (number(12345.0), "12345"),
         (gap_size(0.993), "0.99"),
