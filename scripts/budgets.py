@@ -185,8 +185,8 @@ def table(rows: Sequence[dict[str, Any]]) -> str:
         each = [[one for row in by[number] for one in row[name]] for number in COUNTS]
         whole = [one for some in each for one in some]
         low, high = wilson(sum(whole), len(whole))
-        cells = [f"{sum(some)} of {len(some)}" if some else "-" for some in each]
-        lines.append(f"| {name} | {' | '.join(cells)} | {sum(whole)} of {len(whole)} ({low:.0%} to {high:.0%}) |")
+        cells = [f"{sum(some)} of {len(some)}" if some else "-" for some in (*each, whole)]
+        lines.append(f"| {name} | {' | '.join(cells)}{f' ({low:.0%} to {high:.0%})' if whole else ''} |")
     cpu = [[r["cpu_s"] for r in rows if len(r["truth"]["effects"]) == number] for number in COUNTS]
     lines.append(f"| CPU s, median | {' | '.join(f'{np.median(c):.0f}' if c else '-' for c in cpu)} | |")
     lines += ["", "| machine | truth | verdict | answer | leaves | without the first |", "|---" * 6 + "|"]
