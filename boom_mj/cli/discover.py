@@ -96,8 +96,8 @@ def _summary(answer: dict[str, Any]) -> str:
     if answer["law"]:
         lines.append(f"  {answer['law']['formula']}   on {answer['law']['acts_on']}")
         for name, p in answer["law"]["parameters"].items():
-            size = f"{p['value']:.4g}{behind(p['unit'])}"
-            lines.append(f"      {name:16} {size}   95 %: {p['low']:.4g} .. {p['high']:.4g}")
+            size = f"{p['value']:z.4g}{behind(p['unit'])}"
+            lines.append(f"      {name:16} {size}   95 %: {p['low']:z.4g} .. {p['high']:z.4g}")
     for part, gaps in (("training", answer["gap"]["train"]), ("held out", answer["gap"]["holdout"])):
         lines.append(f"  gap {part:9} {gaps['before']:7.2f} -> {gaps['after']:.2f}   (floor 1)")
     for row in answer["front"]:

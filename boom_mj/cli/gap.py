@@ -229,7 +229,9 @@ def _summary(answer: dict[str, Any]) -> str:
         low, high = row["share_interval"]
         lines.append(f"  share of {_named(row)}: {row['share']:z.0%}   95 %: {low:z.0%} .. {high:z.0%}")
     if answer["remainder"]:
-        lines.append(f"  left above the floor: {answer['remainder']['share']:.0%}, {answer['remainder']['looks_like']}")
+        lines.append(
+            f"  left above the floor: {answer['remainder']['share']:z.0%}, {answer['remainder']['looks_like']}"
+        )
         if not answer["with_outliers"]:
             lines.append("  gap discover looks for a law that the library lacks")
     lines += [f"  {row['channel']} {row['evidence']}" for row in answer["data"] if row["kind"] == "gain"]

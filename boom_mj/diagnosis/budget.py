@@ -149,9 +149,8 @@ def inclusion(found: Odds, scored: Sequence[Scored], effect: Effect) -> float:
 def needed(best: Scored, scored: Sequence[Scored], as_built: Array, effect: Effect) -> bool:
     """Whether whatever does without a cause leaves much more, in 95 of 100 draws: so sure is it, whatever is left.
 
-    A cause that may do nothing at all, by the interval of its sizes, is not.
-
-    Explanations that hold a special case of it, or of which it is one, do not do without it.
+    A cause that by the intervals of its sizes may do nothing is not. Explanations that hold a special case of it, or of
+    which it is one, do not do without it.
     """
     model = best.model
     if not best.shows(effect):

@@ -157,7 +157,7 @@ def _combine(
 def _goes_on(found: Scored, before: Gaps) -> bool:
     """Whether one more cause has closed its share of what was left above noise, in training and held out."""
     left = 1 - found.model.criteria.required_gain
-    return all(after - 1 < left * (gap - 1) for after, gap in zip(found.gaps, before))
+    return all(after - 1 < left * (there - 1) for after, there in zip(found.gaps, before))
 
 
 def _without_the_least(found: Scored) -> tuple[Effect, ...]:

@@ -4,11 +4,28 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from algebra import HUM, RAMP, SQUARE, TIME, Common, Likeness, Ramp, Square, causes, found, off, sweep, swing, term
+from algebra import (
+    HUM,
+    RAMP,
+    SQUARE,
+    TIME,
+    Common,
+    Likeness,
+    Ramp,
+    Square,
+    causes,
+    found,
+    model,
+    off,
+    sweep,
+    swing,
+    term,
+)
 from pytest import approx, mark
 
 from boom_mj.cli.gap import _summary
 from boom_mj.diagnosis import document
+from boom_mj.diagnosis.outlying import outlying
 from boom_mj.effects import Effect
 from boom_mj.recording import Recording
 
@@ -81,6 +98,16 @@ def test_a_cause_that_is_withheld_is_no_outlier() -> None:
     """What shows all the time, or in several sensors, is the machine."""
     answer = found(RAMP, SQUARE, without=("ramp", "square"), third=True)
     assert answer.verdict in ("partial", "unexplained") and not answer.outliers
+
+
+@mark.usefixtures("library")
+@mark.parametrize(("rest", "out"), [(2.0, True), (5.0, False)])
+def test_a_sensor_is_left_out_where_the_rest_is_nearly_explained(rest: float, out: bool) -> None:
+    """A gap of sqrt((20^2 + 2 rest^2) / 3) = 11.7 or 12.2, a quarter of which above noise is 2.7 or 2.8."""
+    about = model((), third=True)
+    third = about.data.spread([channel.signal == "third" for channel in about.data.channels]).astype(bool)
+    part = outlying(about, np.where(third, 20.0, rest), [])
+    assert (part.name if part else None) == ("third" if out else None)
 
 
 @mark.usefixtures("library")
