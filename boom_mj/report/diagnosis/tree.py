@@ -34,7 +34,7 @@ class Part:
 
 @dataclass(frozen=True)
 class Row:
-    """A part, what the log has of it, its held-out gaps with their colours, and the effects of the explanation there."""
+    """A part, what the log has of it, its held-out gaps with their colours, and the explanation's effects there."""
 
     part: Part
     logged: str
