@@ -26,7 +26,7 @@ from statistics import median
 import cv2
 from dask import distributed
 
-from boom_mj.blind import SHORT, SUITE, Suite, answer_cases, make_cases
+from boom_mj.blind import SHORT, SUITE, BoomBench, Suite, answer_cases, make_cases
 from boom_mj.cameras.dataset import write_json
 from boom_mj.cameras.describe import describe
 from boom_mj.cameras.film import Film, film_of
@@ -74,7 +74,7 @@ def render(folder: Path, cluster: str, film: Film, frames: int) -> None:
 
 def diagnose(folder: Path, cluster: str, cases: list[Path]) -> None:
     """Blind cases."""
-    _refuse(error for _, error in answer_cases(cases, FILE.read_text(), folder, cluster=cluster))
+    _refuse(error for _, error in answer_cases(cases, folder, cluster=cluster))
 
 
 def nothing(folder: Path, cluster: str) -> None:
@@ -94,7 +94,7 @@ def blind_cases(folder: Path, count: int, suite: Suite) -> list[Path]:
     if not (folder / "seal.sha256").exists():
         secret, mix = b"everybody may know this one", {"none": 1.0, "single": 1.0}
         jobs, seal = os.cpu_count() or 1, folder.with_suffix(".json")
-        for done in make_cases(count, secret, FILE.read_text(), suite, mix, folder, seal, jobs):
+        for done in make_cases(count, secret, BoomBench(FILE.read_text(), suite), mix, folder, seal, jobs):
             print(f"cases made: {done} of {count}", flush=True)
     return sorted(path.parent for path in folder.glob("*/withhold.json"))
 

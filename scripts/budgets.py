@@ -22,8 +22,8 @@ from typing import Any
 import numpy as np
 from healthy_first import EXPERIMENTS, MACHINE, Logs, all_rows, changed, entropy_of, in_words, recorded
 
+from boom_mj.blind.boom_bench import SHORT
 from boom_mj.blind.figures import wilson
-from boom_mj.blind.generate import SHORT
 from boom_mj.blind.grading import errors_of
 from boom_mj.blind.plant import true_plant
 from boom_mj.blind.sampling import known_effects

@@ -22,8 +22,8 @@ from typing import Any
 
 import numpy as np
 
+from boom_mj.blind.boom_bench import SHORT
 from boom_mj.blind.detectability import Detectability
-from boom_mj.blind.generate import SHORT
 from boom_mj.blind.grading import judge_case
 from boom_mj.blind.plant import AS_BUILT, nuisances, true_plant
 from boom_mj.blind.sampling import Order, draw_all, known_effects

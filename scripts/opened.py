@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from boom_mj.blind.generate import SUITE
+from boom_mj.blind.boom_bench import SUITE
 from boom_mj.blind.grading import judge_case
 from boom_mj.blind.plant import true_plant
 from boom_mj.effects import Effect, make_effect

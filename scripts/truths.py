@@ -13,7 +13,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from boom_mj.blind.run import checked_case
+from boom_mj.blind.run import read_case
 from boom_mj.diagnosis.criteria import BOOM
 from boom_mj.diagnosis.linearisation import Linearisation, linearise
 from boom_mj.effects import Effect, make_effect
@@ -23,26 +23,26 @@ from boom_mj.spreading import spread
 from boom_mj.systems.predictor import Predictor
 
 
-def left(case: Path, machine: str, effects: Sequence[dict[str, Any]]) -> tuple[float, float] | None:
+def left(case: Path, effects: Sequence[dict[str, Any]]) -> tuple[float, float] | None:
     """Gaps (training, held out) that sealed effects leave; None where the library does not hold them."""
-    system, checked = checked_case(case, machine)
+    system, data, *_ = read_case(case)
     try:
         true = tuple(make_effect(e["id"], {**e["location"], **e["parameters"]}) for e in effects)
     except EffectError:
         return None
-    model = linearise(Predictor(system, checked.data, threads=1))
+    model = linearise(Predictor(system, data, threads=1))
     about = model.relinearised(true, model.posterior.estimate(_residual(model, true)))
     clean = about.clean(_residual(about, true))
-    return gap(clean, checked.data.train), gap(clean, checked.data.held_out)
+    return gap(clean, data.train), gap(clean, data.held_out)
 
 
 def _residual(model: Linearisation, effects: tuple[Effect, ...]) -> Any:
     return model.residual(*model.predict([effects]))
 
 
-def _row(case: Path, machine: str, sealed: dict[str, Any]) -> str:
+def _row(case: Path, sealed: dict[str, Any]) -> str:
     effects = sealed[case.name]["effects"]
-    found = left(case, machine, effects)
+    found = left(case, effects)
     names = ", ".join(" ".join(map(str, (e["id"], *e["location"].values()))) for e in effects) or "none"
     if found is None:
         return f"| `{case.name}` | {names} | not in the library | | |"
@@ -57,7 +57,7 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=1)
     options = parser.parse_args()
     sealed = json.loads(options.seal.read_text())["cases"]
-    work = partial(_row, machine=(options.cases / "machine.toml").read_text(), sealed=sealed)
+    work = partial(_row, sealed=sealed)
     print("| case | truth | training | held out | |\n|---|---|---|---|---|")
     for done in spread(work, [options.cases / name for name in sealed], options.jobs):
         print(done.result(), flush=True)

@@ -10,7 +10,7 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from boom_mj.blind.run import checked_case
+from boom_mj.blind.run import read_case as opened
 from boom_mj.diagnosis.scoring import Scored
 from boom_mj.estimation.dataset import Dataset
 from boom_mj.estimation.intervals import Z95
@@ -41,9 +41,10 @@ class Case:
 
 def read_case(folder: Path) -> Case:
     """A case from its folder, DIR/CASE."""
-    system, checked = checked_case(folder, (folder.parent / "machine.toml").read_text())
+    system, data, *_ = opened(folder)
+    assert isinstance(system, BoomSystem)
     without = json.loads((folder / "withhold.json").read_text())["without"]
-    return Case(folder.name, tuple(without), system, checked.data)
+    return Case(folder.name, tuple(without), system, data)
 
 
 def case_folders(cases: Path) -> list[Path]:

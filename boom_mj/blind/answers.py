@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
 
-from boom_mj.effects import BOOM_SITES, effect_library
+from boom_mj.effects import effect_library
 from boom_mj.errors import InputError, shown
 from boom_mj.files import read_json
 
@@ -83,10 +83,10 @@ class Answer(_Part):
     def _names_what_it_says(self) -> Self:
         if self.verdict in ("explained", "ambiguous", "partial") and not self.effects:
             raise ValueError(f"the verdict is {self.verdict!r} but effects names no cause")
-        known = [name for name, kind in effect_library().items() if kind.allowed(BOOM_SITES)]
+        known = effect_library()
         for cause in self.effects:
             if cause.id not in known:
-                raise ValueError(f"a boom has no effect {shown(cause.id)}; there are {', '.join(known)}")
+                raise ValueError(f"there is no effect {shown(cause.id)}; there are {', '.join(known)}")
         return self
 
 

@@ -151,6 +151,7 @@ def figures(outcomes: Sequence[Outcome]) -> list[Figure]:
         _share("two effects: both named and placed", [o.placed for o in by["pair"]], None),
         _share("three to five effects: recall", _counted(several, "causes"), (0.80, 1)),
         _share("three to five effects: precision", _counted(several, "named"), (0.93, 1)),
+        _share("named causes that are not there", [not hit for hit in _counted(outcomes, "named")], None),
         _share("single effect on a machine as built: right id and location", [o.placed for o in by["clutter"]], None),
         _quantile("held-out closure of solved cases, median", closures, 0.5, (0.95, np.inf)),
         _quantile("held-out closure of solved cases, 10th percentile", closures, 0.1, (0.85, np.inf)),

@@ -2,10 +2,10 @@
 
     DIR/README.md               the task, for any method (`task`)
     DIR/answer.schema.json      what an answer holds (`answers`)
-    DIR/machine.toml            the nominal machine
+    DIR/machine.toml            the nominal machine; of one with a channel map map.toml and model.xml
     DIR/seal.sha256             hash of the sealed answers
     DIR/CASE/withhold.json      the effect that the diagnosis of this case does without
-    DIR/CASE/train/*.mcap       training recordings
+    DIR/CASE/train/*.mcap       training recordings; with a channel map *.csv
     DIR/CASE/holdout/*.mcap     held-out recordings
 
 Names, order and times of files say nothing: cases are named by hashes of the secret, all times are STAMP, and a log
@@ -14,55 +14,25 @@ holds what its sensors said and nothing else (reading and writing it again gives
 
 import json
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache
 from hashlib import sha256
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
 from boom_mj.blind.answers import answer_schema
-from boom_mj.blind.detectability import Detectability
-from boom_mj.blind.plant import AS_BUILT, nuisances, true_plant
-from boom_mj.blind.sampling import Order, draw_all, orders
-from boom_mj.blind.task import readme
+from boom_mj.blind.bench import Bench
+from boom_mj.blind.sampling import Order, draw_all, draw_clutter, embracing, known_effects, orders
 from boom_mj.effects import Effect
 from boom_mj.errors import EquilibriumError, InputError, SimulationError
 from boom_mj.files import locked, read_json, sweep, write_text
-from boom_mj.logs import write_mcap
-from boom_mj.machine import parse_machine
-from boom_mj.recording import Recording
-from boom_mj.sensors import record
-from boom_mj.simulation import CATALOGUE, Experiment, run_experiment
 from boom_mj.spreading import results
 
 SECRET = 16  # bytes that a seed file must have, or else it can be guessed from its hash
 STAMP = 946684800  # s, the year 2000: modification time of everything in a set
 TRIES = 5
-
-
-@dataclass(frozen=True)
-class Suite:
-    """Experiments for training, and held out."""
-
-    train: tuple[Experiment, ...]
-    holdout: tuple[Experiment, ...]
-
-    @classmethod
-    def named(cls, train: Sequence[str], holdout: Sequence[str]) -> Self:
-        """Experiments of the catalogue."""
-        return cls(tuple(CATALOGUE[name] for name in train), tuple(CATALOGUE[name] for name in holdout))
-
-
-SUITE = Suite.named(
-    ("release_bow_vertical", "release_stretched_horizontal", "release_stretched_vertical", "slew_t", "sweep"),
-    ("fold_in", "mixed", "release_bow_horizontal"),
-)
-"""What a case records: 350 s."""
-SHORT = Suite.named(("release_bow_vertical", "mixed"), ("sweep",))
-"""What a short case records: 150 s. Joints 1 to 3 move in both parts, as friction of a joint at rest shows nothing."""
 
 
 @dataclass(frozen=True)
@@ -72,8 +42,8 @@ class _Case:
     name: str
     entropy: tuple[int, ...]
     order: Order
-    suite: Suite
-    machine: str
+    bench: Bench
+    clutter: int
     folder: str
 
     def __str__(self) -> str:
@@ -83,22 +53,23 @@ class _Case:
 def make_cases(
     cases: int,
     secret: bytes,
-    machine: str,
-    suite: Suite,
-    mix: dict[str, float],
+    bench: Bench,
+    mix: Mapping[str, float],
     folder: Path,
     seal: Path,
     jobs: int = 1,
     cluster: str | None = None,
+    clutter: int = 0,
 ) -> Iterator[int]:
     """Make a set; yields how many cases are done. Cases that an earlier call has finished stay as they are.
 
     Args:
         secret: the only source of chance: the same secret gives the same logs and the same seal.
-        machine: text of the nominal machine's file.
+        bench: where machines of the kind are recorded.
         mix: class -> share.
         seal: file for the answers, outside the folder.
         jobs, cluster: see `spread`.
+        clutter: small effects that every machine has besides.
 
     Raises:
         InputError: the seal would lie among the cases, the secret is too short, the campaign is sealed already.
@@ -109,23 +80,23 @@ def make_cases(
         raise InputError(f"the seed file holds {len(secret)} bytes; at least {SECRET} are needed to keep the secret")
     digest = sha256(b"blind cases" + secret).digest()  # not the hash that may be published
     entropy = tuple(int(word) for word in np.frombuffer(digest, "<u4"))
-    drawn = orders(cases, mix, np.random.default_rng(entropy))
+    drawn = orders(cases, mix, np.random.default_rng(entropy), known_effects(bench.sites), list(bench.unlisted))
     todo = [
-        _Case(_hash(digest, "case", k)[:12], (*entropy, k), order, suite, machine, str(folder.resolve()))
+        _Case(_hash(digest, "case", k)[:12], (*entropy, k), order, bench, clutter, str(folder.resolve()))
         for k, order in enumerate(drawn)
     ]
     parts = seal.with_suffix(".parts")
     if (folder / "seal.sha256").exists() and not parts.exists():  # with its parts, sealing was interrupted
         raise InputError(f"{folder} holds a sealed campaign already")
     with locked(folder), locked(parts):
-        yield from _made(todo, secret, digest, machine, folder, seal, parts, jobs, cluster)
+        yield from _made(todo, secret, digest, bench, folder, seal, parts, jobs, cluster)
 
 
 def _made(
     todo: list[_Case],
     secret: bytes,
     digest: bytes,
-    machine: str,
+    bench: Bench,
     folder: Path,
     seal: Path,
     parts: Path,
@@ -141,8 +112,8 @@ def _made(
     answers = {case.name: read_json(parts / f"{case.name}.json", InputError) for case in todo}
     salt = {"salt": _hash(digest, "salt", 0), "seed_sha256": sha256(secret).hexdigest()}
     _write_json(seal, {**salt, "cases": dict(sorted(answers.items()))})
-    write_text(folder / "machine.toml", machine)
-    write_text(folder / "README.md", readme())
+    for name, text in (*bench.files.items(), ("README.md", bench.readme)):
+        write_text(folder / name, text)
     _write_json(folder / "answer.schema.json", answer_schema())
     write_text(folder / "seal.sha256", f"{sha256(seal.read_bytes()).hexdigest()}\n")
     sweep(folder.rglob(".*.part"))
@@ -162,58 +133,46 @@ def _write_json(path: Path, content: Any) -> None:
 
 def _make(case: _Case) -> dict[str, Any]:
     """Simulate and write a case; what its seal says."""
-    rng = np.random.default_rng(case.entropy)
+    rng, folder = np.random.default_rng(case.entropy), Path(case.folder) / case.name
     for _ in range(TRIES):
         try:
-            sealed, recordings = _drawn(case, rng)
+            sealed = _drawn(case, rng, folder)
             break
         except (EquilibriumError, SimulationError):
             continue  # the coarse model stood it, the fine one does not
     else:
         raise InputError(f"no {case.order.kind} case of {', '.join(case.order.ids)} can be simulated")
-    folder = Path(case.folder) / case.name
-    for part, experiments in (("train", case.suite.train), ("holdout", case.suite.holdout)):
-        (folder / part).mkdir(parents=True, exist_ok=True)
-        for experiment in experiments:
-            write_mcap(recordings[experiment.name], folder / part / f"{experiment.name}.mcap")
-    without = sealed["effects"][0]["id"] if case.order.kind == "withheld" else case.order.without
-    _write_json(folder / "withhold.json", {"without": [without]})
+    withheld = case.order.kind == "withheld"
+    without = embracing(sealed["effects"][0]["id"]) if withheld else [case.order.without]
+    _write_json(folder / "withhold.json", {"without": without})
     return sealed
 
 
-def _drawn(case: _Case, rng: np.random.Generator) -> tuple[dict[str, Any], dict[str, Recording]]:
-    machine = parse_machine(case.machine)
-
-    def visibility(effects: Sequence[Effect]) -> float:
-        """In training or in what is held out, whichever shows less."""
-        parts = case.suite.train, case.suite.holdout
-        return min(_eye(case.machine, part).visibility(effects) for part in parts) if effects else 0.0
-
-    own = nuisances(machine, rng, AS_BUILT) if case.order.kind == "clutter" else nuisances(machine, rng)
-    drawn = draw_all(case.order, rng, visibility)
+def _drawn(case: _Case, rng: np.random.Generator, folder: Path) -> dict[str, Any]:
+    bench = case.bench
+    own = bench.individual(rng, case.order.kind == "clutter")
+    drawn = draw_all(case.order, rng, bench.visibility, bench.sites, bench.visible)
     effects = [effect for effect, _ in drawn]
-    named = {(effect.id, *effect.location.values()) for effect in effects}
+    small = draw_clutter(case.clutter, case.order, effects, rng, bench.sites)
+    named = {(effect.id, *effect.location.values()) for effect in (*effects, *small)}
     own = tuple(n for n in own if (n.id, *n.location.values()) not in named)  # an effect's size is all there is of it
-    plant = true_plant(machine, (*own, *effects))
-    recordings = {}
-    for experiment in (*case.suite.train, *case.suite.holdout):
-        recordings[experiment.name] = record(run_experiment(plant, experiment), experiment, rng)
+    bench.record((*own, *small, *effects), rng, folder)
     sealed = {
         "class": case.order.kind,
         "effects": [{"id": e.id, "location": e.location, "parameters": values} for e, values in drawn],
-        "visibility": visibility(effects),
+        "visibility": bench.visibility(effects) if effects else 0.0,
         "nuisances": [_brief(effect) for effect in own],
     }
-    return sealed, recordings
-
-
-@cache
-def _eye(machine: str, experiments: tuple[Experiment, ...]) -> Detectability:
-    return Detectability(parse_machine(machine), experiments)
+    clutter = [{**_brief(effect), "alike": [_placed(*cause) for cause in bench.alike(effect)]} for effect in small]
+    return {**sealed, "clutter": clutter} if case.clutter else sealed
 
 
 def _brief(effect: Effect) -> dict[str, Any]:
     return {"id": effect.id, "location": effect.location, "parameters": effect.values}
+
+
+def _placed(name: str, place: tuple[tuple[str, int | str], ...]) -> dict[str, Any]:
+    return {"id": name, "location": dict(place)}
 
 
 def _same_times(folder: Path) -> None:

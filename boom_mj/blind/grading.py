@@ -7,6 +7,9 @@ pair,       right: exactly the true effects are named
 several
 withheld,   right: "unexplained", or a tie that holds what the truth is known to be confused with;
 stranger     a confident wrong name is a miss, and so is "consistent"
+
+Where every machine has small effects besides (its clutter), naming one of those at its place, or what no recording
+tells from it, is neither asked for nor wrong: such causes do not count, and an answer that names no other names none.
 """
 
 from collections.abc import Mapping, Sequence
@@ -75,18 +78,21 @@ class Outcome:
 def judge_case(case: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -> Outcome:
     """Hold an answer against what was sealed."""
     solved = answer["verdict"] in ("explained", "ambiguous", "partial")
-    true, named = truth["effects"], answer["effects"] if solved else []
+    true, clutter = truth["effects"], [one for e in truth.get("clutter", ()) for one in (e, *e.get("alike", ()))]
+    named = [e for e in answer["effects"] if not _matching(e, clutter)] if solved else []
     ids, found = sorted(e["id"] for e in true), sorted(e["id"] for e in named)
     tied = _tied(answer)
     right = placed = held = False
     if truth["class"] == "none":
-        right = placed = held = answer["verdict"] == "consistent"
+        allowed = ("consistent", "partial", "explained", "ambiguous", "unexplained") if clutter else ("consistent",)
+        right = placed = held = answer["verdict"] in allowed and not named
     elif truth["class"] in LISTED:
         right = found == ids
         placed = right and all(_matching(effect, named) for effect in true)
         held = set(ids) <= {*found, *tied}
     else:
-        right = placed = held = answer["verdict"] == "unexplained" or bool(tied & twins(ids[0]))
+        unnamed = answer["verdict"] == "unexplained" or (solved and not named)
+        right = placed = held = unnamed or bool(tied & twins(ids[0]))
     pairs = [(effect, _matching(effect, named)) for effect in true]
     hits = sum(other is not None for _, other in pairs)
     errors = [errors_of(effect["parameters"], other["parameters"]) for effect, other in pairs if other and right]

@@ -1,6 +1,6 @@
 """Diagnosing blind cases, spread over processes.
 
-A process gets the path of one case and the text of the nominal machine; answers come back to the caller, who writes
+A process gets the path of one case and reads that and what is nominal; answers come back to the caller, who writes
 each of them whole. What was interrupted goes on where it was.
 """
 
@@ -10,22 +10,28 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from hashlib import sha256
 from pathlib import Path
+from typing import NamedTuple
 
+from boom_mj.blind.boom_bench import MACHINE
+from boom_mj.blind.mjcf_bench import MAP, MODEL, PARTS, case_of_mjcf
 from boom_mj.blind.sandbox import confined_to
 from boom_mj.diagnosis.answer import document
 from boom_mj.diagnosis.diagnose import diagnose
 from boom_mj.effects import Equipped, effect_library
-from boom_mj.errors import InputError
+from boom_mj.errors import InputError, MachineFileError
+from boom_mj.estimation.dataset import Dataset
 from boom_mj.files import locked, read_bytes, read_json, read_text, write_text
 from boom_mj.logs import read_log
 from boom_mj.machine import parse_machine
 from boom_mj.recording import Recording
+from boom_mj.replay.quality import DataFinding
 from boom_mj.spreading import spread
-from boom_mj.systems.boom.load import CheckedData, checked_data
+from boom_mj.systems.boom.load import checked_data
 from boom_mj.systems.boom.system import BoomSystem
 from boom_mj.systems.predictor import Predictor
+from boom_mj.systems.system import System
 
-PARTS = "train", "holdout"  # folders of a case
+NOMINAL = MACHINE, MAP, MODEL  # files of a set that a diagnosis may read
 
 
 def waiting_cases(folder: Path, answers: Path) -> tuple[list[Path], int]:
@@ -46,7 +52,6 @@ def waiting_cases(folder: Path, answers: Path) -> tuple[list[Path], int]:
 
 def answer_cases(
     cases: Sequence[Path],
-    machine: str,
     answers: Path,
     jobs: int = 1,
     cluster: str | None = None,
@@ -55,12 +60,11 @@ def answer_cases(
     """Diagnose cases and write CASE.json for each; yields every case as it ends, with what went wrong.
 
     Args:
-        machine: text of the nominal machine's file.
         answers: folder for the answers.
         jobs, cluster: see `spread`.
         most: see `diagnose`.
     """
-    work = Equipped(partial(solve, machine=machine, most=most))
+    work = Equipped(partial(solve, most=most))
     with locked(answers):
         for done in spread(work, [case.resolve() for case in cases], jobs, cluster):
             try:
@@ -71,27 +75,41 @@ def answer_cases(
                 yield done.item, None
 
 
-def solve(case: Path, machine: str, most: int | None = None) -> str:
-    """The answer to one case as JSON, by a process that can open nothing but the case."""
+def solve(case: Path, most: int | None = None) -> str:
+    """The answer to one case as JSON, by a process that can open nothing but the case and what is nominal."""
     began, spent = time.perf_counter(), time.process_time()
     effect_library()  # of other packages, too, before the door shuts
-    with confined_to(case):
+    with confined_to(case, *(case.parent / name for name in NOMINAL)):
         without = tuple(read_json(case / "withhold.json", InputError)["without"])
-        system, checked = checked_case(case, machine)
-        answer = diagnose(Predictor(system, checked.data, threads=1), without, most=most)
-        found = document(answer, checked.names, checked.findings)
+        system, data, names, findings = read_case(case)
+        answer = diagnose(Predictor(system, data, threads=1), without, most=most)
+        found = document(answer, names, findings)
     took = {"wall_s": time.perf_counter() - began, "cpu_s": time.process_time() - spent}
     return json.dumps({**found, "without": without, **took}, indent=1)
 
 
-def checked_case(case: Path, machine: str) -> tuple[BoomSystem, CheckedData]:
-    """The nominal boom and the recordings of a case."""
+class CaseData(NamedTuple):
+    """A case as a diagnosis sees it; see `GapData` of the command line."""
+
+    system: System
+    data: Dataset
+    names: Sequence[str]
+    findings: Sequence[DataFinding]
+
+
+def read_case(case: Path) -> CaseData:
+    """The nominal machine that lies beside a case, and its recordings."""
+    nominal = case.parent
+    if (nominal / MAP).is_file():
+        system, data = case_of_mjcf(case, nominal)
+        return CaseData(system, data, [log.name for log in data.recordings], ())
     train, held_out = case_logs(case)
-    system = BoomSystem(parse_machine(machine))
-    return system, checked_data(system, [*train, *held_out], len(train))
+    boom = BoomSystem(parse_machine(read_text(nominal / MACHINE, MachineFileError)))
+    checked = checked_data(boom, [*train, *held_out], len(train))
+    return CaseData(boom, checked.data, checked.names, checked.findings)
 
 
 def case_logs(case: Path) -> tuple[list[Recording], list[Recording]]:
-    """Logs of a case for training, and held out, by name."""
+    """Logs of a boom's case for training, and held out, by name."""
     train, held_out = ([read_log(path) for path in sorted((case / part).glob("*.mcap"))] for part in PARTS)
     return train, held_out

@@ -7,7 +7,7 @@ from itertools import cycle
 import numpy as np
 
 from boom_mj.blind.unlisted import UNLISTED
-from boom_mj.effects import BOOM_SITES, Effect, Parameter, builtin
+from boom_mj.effects import BOOM_SITES, Effect, Parameter, Site, builtin
 from boom_mj.errors import EquilibriumError, InputError, SimulationError
 
 MIX: Mapping[str, float] = {"single": 50, "none": 20, "pair": 12, "withheld": 25, "stranger": 13}
@@ -16,6 +16,7 @@ MORE = ("several", "clutter")
 """Classes that a mix may ask for besides: three to five effects; one effect on a machine as it was built."""
 SEVERAL = 3, 4, 5  # effects
 SMALL, LARGE = 0.5, 2.0  # times a size worth finding
+CLUTTER = 0.1, 0.3  # times a size worth finding, a fifth in the mean: what every machine has a little of
 VISIBLE = 0.1  # of the noise, in training and held out, beyond what nuisances explain; what shows less is drawn again
 TRIES = 40
 # times the library's size worth finding, where that hardly shows
@@ -54,8 +55,18 @@ class Order:
     without: str
 
 
-def orders(cases: int, mix: Mapping[str, float], rng: np.random.Generator) -> list[Order]:
+def orders(
+    cases: int,
+    mix: Mapping[str, float],
+    rng: np.random.Generator,
+    known: Sequence[str] = (),
+    unlisted: Sequence[str] = tuple(UNLISTED),
+) -> list[Order]:
     """Cases of all classes in their shares, every effect as often as any other, in random order.
+
+    Args:
+        known: ids of the machine's effects; a boom's if left out.
+        unlisted: ids of effects that the library does not hold.
 
     Raises:
         InputError: a class that does not exist, or shares that are none.
@@ -64,9 +75,11 @@ def orders(cases: int, mix: Mapping[str, float], rng: np.random.Generator) -> li
         raise InputError(f"no class of cases is called {', '.join(unknown)}; there are {', '.join((*MIX, *MORE))}")
     if min(mix.values()) < 0 or sum(mix.values()) <= 0:
         raise InputError(f"shares of classes must not be negative, nor all zero; got {dict(mix)}")
-    known = known_effects()
+    if mix.get("stranger") and not unlisted:
+        raise InputError("stranger=: machines of this kind have no effects outside the library")
+    known = known or known_effects()
     asked = (*MIX, *(kind for kind in MORE if kind in mix))  # more decks than before would shuffle all others
-    deal = {kind: _deck(UNLISTED if kind == "stranger" else known, rng) for kind in asked}
+    deal = {kind: _deck(unlisted if kind == "stranger" else known, rng) for kind in asked}
     found = []
     for kind, count in _shared_out(cases, mix).items():
         for _ in range(count):
@@ -79,9 +92,14 @@ def orders(cases: int, mix: Mapping[str, float], rng: np.random.Generator) -> li
     return [found[k] for k in rng.permutation(len(found))]
 
 
-def known_effects() -> list[str]:
-    """Ids of what the library has for booms."""
-    return [name for name, kind in builtin().items() if kind.competes and kind.allowed(BOOM_SITES)]
+def known_effects(sites: Sequence[Site] = BOOM_SITES) -> list[str]:
+    """Ids of what the library has for a machine."""
+    return [name for name, kind in builtin().items() if kind.competes and kind.allowed(sites)]
+
+
+def embracing(name: str) -> list[str]:
+    """An effect's id and those of effects that become it at some of their values: it is withheld with all of them."""
+    return [name, *(other for other, kind in builtin().items() if name in kind.special_cases)]
 
 
 def _deck(names: Sequence[str] | Mapping[str, object], rng: np.random.Generator) -> Iterator[str]:
@@ -100,22 +118,40 @@ def _shared_out(cases: int, mix: Mapping[str, float]) -> dict[str, int]:
 
 
 def draw_all(
-    order: Order, rng: np.random.Generator, visibility: Callable[[Sequence[Effect]], float]
+    order: Order,
+    rng: np.random.Generator,
+    visibility: Callable[[Sequence[Effect]], float],
+    sites: Sequence[Site] = BOOM_SITES,
+    visible: float = VISIBLE,
 ) -> list[tuple[Effect, dict[str, float]]]:
     """The effects of an order; what these experiments show at no place and size gives way to another effect.
 
     Raises:
         InputError: the machine stands none.
     """
-    found, spare = [draw(name, rng, visibility) for name in order.ids], None
+    found, spare = [draw(name, rng, visibility, sites, visible) for name in order.ids], None
     for k, (effect, _) in enumerate(found):
-        while visibility([effect]) < VISIBLE:
+        while visibility([effect]) < visible:
             if spare is None:  # no draw before is another for it
-                alike = UNLISTED if order.kind == "stranger" else known_effects()
+                alike = UNLISTED if order.kind == "stranger" else known_effects(sites)
                 spare = _spare(alike, (*order.ids, order.without), rng)
             if not spare:
                 break
-            found[k] = effect, _ = draw(spare.pop(), rng, visibility)
+            found[k] = effect, _ = draw(spare.pop(), rng, visibility, sites, visible)
+    return found
+
+
+def draw_clutter(
+    count: int, order: Order, effects: Sequence[Effect], rng: np.random.Generator, sites: Sequence[Site]
+) -> list[Effect]:
+    """Small effects of other kinds than those of a case, each at a place where none of these is."""
+    taken, found = {effect.site.key for effect in effects}, list[Effect]()
+    names = [name for name in known_effects(sites) if name not in (*order.ids, order.without)]
+    for name in rng.permutation(names) if count else ():
+        places = [site for site in builtin()[str(name)].allowed(sites) if site.key not in taken]
+        if len(found) < count and places:
+            site = places[rng.integers(len(places))]
+            found.append(_sized(builtin()[str(name)], site, rng, lambda: float(rng.uniform(*CLUTTER)))[0])
     return found
 
 
@@ -124,7 +160,11 @@ def _spare(names: Sequence[str] | Mapping[str, object], taken: Sequence[str], rn
 
 
 def draw(
-    name: str, rng: np.random.Generator, visibility: Callable[[Sequence[Effect]], float]
+    name: str,
+    rng: np.random.Generator,
+    visibility: Callable[[Sequence[Effect]], float],
+    sites: Sequence[Site] = BOOM_SITES,
+    visible: float = VISIBLE,
 ) -> tuple[Effect, dict[str, float]]:
     """An effect that shows, at a random place and of random size, and the values that were drawn.
 
@@ -134,19 +174,16 @@ def draw(
         InputError: the machine stands none.
     """
     kind = {**builtin(), **UNLISTED}[name]
-    sites = kind.allowed(BOOM_SITES)
+    places = kind.allowed(sites)
     best: tuple[float, tuple[Effect, dict[str, float]] | None] = (0.0, None)
     for _ in range(TRIES):
-        site = sites[rng.integers(len(sites))]
-        declared = kind.parameters(site)
-        names = [n for n in declared if n in kind.free(site) or (name, n) in RANGES]
-        values = {n: _size(name, n, declared[n], rng) for n in names}
-        effect = kind(site, **values)
+        site = places[rng.integers(len(places))]
+        effect, values = _sized(kind, site, rng, lambda: float(np.exp(rng.uniform(np.log(SMALL), np.log(LARGE)))))
         try:
             shows = visibility([effect])
         except (EquilibriumError, SimulationError):
             continue
-        if shows >= VISIBLE:
+        if shows >= visible:
             return effect, values
         best = max(best, (shows, (effect, values)), key=lambda found: found[0])
     if best[1] is None:
@@ -154,9 +191,19 @@ def draw(
     return best[1]
 
 
-def _size(effect: str, name: str, bound: Parameter, rng: np.random.Generator) -> float:
+def _sized(
+    kind: type[Effect], site: Site, rng: np.random.Generator, times: Callable[[], float]
+) -> tuple[Effect, dict[str, float]]:
+    """An effect at a site, each size so many times one worth finding, and the values that were drawn."""
+    declared = kind.parameters(site)
+    names = [name for name in declared if name in kind.free(site) or (kind.id, name) in RANGES]
+    values = {name: _size(kind.id, name, declared[name], rng, times) for name in names}
+    return kind(site, **values), values
+
+
+def _size(effect: str, name: str, bound: Parameter, rng: np.random.Generator, times: Callable[[], float]) -> float:
     if (effect, name) in RANGES:
         return float(rng.uniform(*RANGES[effect, name]))
-    coordinate = float(np.exp(rng.uniform(np.log(SMALL), np.log(LARGE)))) * SIZES.get((effect, name), 1.0)
+    coordinate = times() * SIZES.get((effect, name), 1.0)
     both = not bound.inverse and bound.low < bound.neutral < bound.high
     return bound.value(-coordinate if both and rng.random() < 0.5 else coordinate)

@@ -1,4 +1,4 @@
-"""A diagnosis reads its case and nothing else: Python's audit hook refuses to open any other file.
+"""A diagnosis reads its case and what is nominal: Python's audit hook refuses to open any other file.
 
 Allowed besides the case are Python's own files, this package's, and what the operating system shows of itself. The
 hook holds for the thread that asked for it, so that a worker's own housekeeping goes on.
@@ -18,10 +18,10 @@ _allowed: ContextVar[tuple[str, ...]] = ContextVar("allowed", default=())
 
 
 @contextmanager
-def confined_to(folder: Path) -> Iterator[None]:
-    """Within the block, opening a file outside the folder raises PermissionError."""
+def confined_to(*paths: Path) -> Iterator[None]:
+    """Within the block, opening a file that is none of these, nor within one, raises PermissionError."""
     _install()
-    token = _allowed.set(tuple(os.path.realpath(root) for root in (folder, *OWN)))
+    token = _allowed.set(tuple(os.path.realpath(root) for root in (*map(str, paths), *OWN)))
     try:
         yield
     finally:

@@ -22,9 +22,7 @@ EXAMPLE: Mapping[str, Any] = {
     "others": {"outside_library": 0.15, "none": 0.05},
     "cpu_s": 12.0,
 }
-TEXT = """# What is wrong with these machines?
-
-Every folder here is a case: one boom, recorded by its sensors. It is the machine of `machine.toml`, but for what
+BOOM = """It is the machine of `machine.toml`, but for what
 any two machines differ in, and for what has gone wrong with it: nothing, one effect, or several, from the table
 below or from none. Name what is wrong, where, and how large it is. Healthy machines differ by up to {offset:.1f}
 deg in the zeros of their joint sensors, {stiffness:.1%} in the stiffness of each link, {mass:.1%} in its mass and
@@ -34,8 +32,21 @@ damping.
 | file | holds |
 |---|---|
 | `machine.toml` | the nominal machine |
-| `CASE/train/*.mcap` | recordings to work with (ROS 2 messages in MCAP files) |
-| `CASE/holdout/*.mcap` | recordings that a method is free to use, to check itself |
+| `CASE/train/*.mcap` | recordings to work with (ROS 2 messages in MCAP files) |"""
+MJCF = """It is the machine of `model.xml`, but for what
+any model lacks, and for what has gone wrong with it: nothing, one effect, or two, from the table below or from none.
+Name what is wrong, where, and how large it is. Every machine may have a few small effects besides, a fifth of what is
+worth finding: naming one is neither asked for nor wrong.
+
+| file | holds |
+|---|---|
+| `model.xml` | the nominal machine |
+| `map.toml` | which field of a recording is which joint, actuator or sensor, its unit and its noise |
+| `CASE/train/*.csv` | recordings to work with |"""
+TEXT = """# What is wrong with these machines?
+
+Every folder here is a case: one machine, recorded by its sensors. {machine}
+| `CASE/holdout/*.{ending}` | recordings that a method is free to use, to check itself |
 | `CASE/withhold.json` | `without`: an id of the table that the method must do without in this case |
 | `answer.schema.json` | JSON Schema of an answer |
 | `seal.sha256` | SHA-256 of the sealed truth, written with the cases |
@@ -74,21 +85,29 @@ confused with) is right; how many intervals hold the truth; Brier score and cali
 
 
 def readme() -> str:
-    """README.md, the same for every set."""
-    kinds = [kind for kind in builtin().values() if kind.competes and kind.allowed(BOOM_SITES)]
-    return TEXT.format(
-        example=json.dumps(EXAMPLE, indent=1),
-        effects="\n".join(map(_row, kinds)),
+    """README.md of a boom's set."""
+    machine = BOOM.format(
         offset=np.degrees(ZERO_OFFSET),
         stiffness=STIFFNESS,
         mass=MASS,
         damping=DAMPING,
         as_built=", ".join(f"{share:.0%}" for share in AS_BUILT),
     )
+    return _text(machine, "mcap", BOOM_SITES)
 
 
-def _row(kind: type[Effect]) -> str:
-    sites = kind.allowed(BOOM_SITES)
+def mjcf_readme(sites: Sequence[Site]) -> str:
+    """README.md of the set of a machine with a channel map."""
+    return _text(MJCF, "csv", sites)
+
+
+def _text(machine: str, ending: str, sites: Sequence[Site]) -> str:
+    kinds = [kind for kind in builtin().values() if kind.competes and kind.allowed(sites)]
+    rows = "\n".join(_row(kind, kind.allowed(sites)) for kind in kinds)
+    return TEXT.format(machine=machine, ending=ending, example=json.dumps(EXAMPLE, indent=1), effects=rows)
+
+
+def _row(kind: type[Effect], sites: Sequence[Site]) -> str:
     declared = {name: parameter for site in sites for name, parameter in kind.parameters(site).items()}
     sizes = ", ".join(f"`{name}` {p.unit}, neutral {p.neutral:g}" for name, p in declared.items())
     return f"| `{kind.id}` | {_places(sites)} | {sizes} |"

@@ -5,7 +5,7 @@ import os
 import sys
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -20,8 +20,11 @@ from boom_mj.cli.arguments import (
     output_folder,
     output_path,
 )
-from boom_mj.errors import BoomError, InputError, MachineFileError
-from boom_mj.files import read_bytes, read_text, write_text
+from boom_mj.errors import BoomError, InputError
+from boom_mj.files import parse_toml, read_bytes, read_text, write_text
+
+if TYPE_CHECKING:
+    from boom_mj.blind.bench import Bench
 
 app = typer.Typer(help="Check the diagnosis on effects that it does not know.", no_args_is_help=True)
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of the sealed set.")]
@@ -41,11 +44,20 @@ def make(
     ],
     output: Annotated[Path, typer.Option("-o", metavar="DIR", help="Folder for the cases.")],
     seal: Annotated[Path, typer.Option(metavar="FILE", help="File for the answers, outside DIR.")],
-    machine: Annotated[str, typer.Option(help="Machine file, or a name such as boom36.")] = "boom36",
+    machine: Annotated[
+        str,
+        typer.Option(
+            metavar="MACHINE|MAP.toml",
+            help="Machine file, or a name such as boom36; or a channel map with MAP.plant.toml beside it.",
+        ),
+    ] = "boom36",
     short: Annotated[
         bool, typer.Option("--short", help="Two training recordings and one held out, 150 s in all.")
     ] = False,
     mix: Annotated[str, typer.Option(metavar="CLASS=SHARE,...", help="Shares of the classes of cases.")] = "",
+    clutter: Annotated[
+        int, typer.Option(min=0, help="Small effects, a fifth of what is worth finding, that every machine has.")
+    ] = 0,
     jobs: Jobs = 1,
     cluster: Cluster = None,
     as_json: AsJson = False,
@@ -56,7 +68,7 @@ def make(
 
     Example: python -m boom_mj gap blind make --cases 20 --seed-file secret.bin -o cases --seal answers.seal --jobs 2
     """
-    from boom_mj.blind import MIX, SHORT, SUITE, make_cases
+    from boom_mj.blind import MIX, make_cases
     from boom_mj.cli.progress import progress
 
     output_folder(output)
@@ -64,10 +76,12 @@ def make(
     secret = read_bytes(seed_file, InputError)
     if output.resolve() in seed_file.resolve().parents:
         raise InputError(f"{seed_file}: the seed file must lie outside {output}")
-    find_machine(machine)
-    suite, shares = SHORT if short else SUITE, _shares(mix) if mix else dict(MIX)
+    bench = _bench(machine, short)
+    shares = (
+        _shares(mix) if mix else {kind: share for kind, share in MIX.items() if kind != "stranger" or bench.unlisted}
+    )
     with progress() as report:
-        for done in make_cases(cases, secret, machine_text(machine), suite, shares, output, seal, jobs, cluster):
+        for done in make_cases(cases, secret, bench, shares, output, seal, jobs, cluster, clutter):
             report("cases", done, cases)
     published = (output / "seal.sha256").read_text().strip()
     told = {"cases": cases, "folder": str(output), "seal": str(seal), "seal_sha256": published}
@@ -95,11 +109,10 @@ def run(
 
     answers = output_folder(_answers(folder, output))
     waiting, count = waiting_cases(folder, answers)
-    machine = read_text(folder / "machine.toml", MachineFileError)
     done, failed = count - len(waiting), []
     with progress("answers") as report:
         report("answers", done, count)
-        for case, error in answer_cases(waiting, machine, answers, jobs, cluster, most):
+        for case, error in answer_cases(waiting, answers, jobs, cluster, most):
             done += 1
             if error:
                 failed.append(case.name)
@@ -190,6 +203,23 @@ def score(
             print(f"  {outcome.case}  {outcome.kind:9} {outcome.reason}{left}")
     if row:
         print(leaderboard([row]))
+
+
+def _bench(machine: str, short: bool) -> "Bench":
+    """Where machines of the kind that was asked for are recorded."""
+    from boom_mj.blind import SHORT, SUITE, BoomBench, MjcfBench
+
+    path = Path(machine)
+    if (
+        path.suffix == ".toml"
+        and path.is_file()
+        and "channel" in parse_toml(read_text(path, InputError), path, InputError)
+    ):
+        if short:
+            raise InputError(f"--short is for booms; {path.with_suffix('.plant.toml')} says what a case records")
+        return MjcfBench.beside(path)
+    find_machine(machine)
+    return BoomBench(machine_text(machine), SHORT if short else SUITE)
 
 
 def _answers(folder: Path, given: Path | None) -> Path:

@@ -10,7 +10,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from boom_mj.blind import Suite, answer_cases, answer_schema, make_cases, score, waiting_cases, with_hindsight
+from boom_mj.blind import (
+    BoomBench,
+    Suite,
+    answer_cases,
+    answer_schema,
+    make_cases,
+    score,
+    waiting_cases,
+    with_hindsight,
+)
 from boom_mj.blind.generate import STAMP
 from boom_mj.blind.task import readme
 from boom_mj.blind.unlisted import UNLISTED
@@ -37,7 +46,8 @@ BRIEF = Suite((brief("slew_t"),), (brief("release_bow_horizontal"),))
 
 
 def make(at: Path, cluster: str | None = None) -> list[int]:
-    return list(make_cases(CASES, SECRET, MACHINE, BRIEF, MIXTURE, at / "cases", at / "seal.json", 1, cluster))
+    bench = BoomBench(MACHINE, BRIEF)
+    return list(make_cases(CASES, SECRET, bench, MIXTURE, at / "cases", at / "seal.json", 1, cluster))
 
 
 @pytest.fixture(scope="module")
@@ -114,7 +124,7 @@ def test_a_case_is_given_as_many_causes_as_are_asked_for(made: Path, monkeypatch
     case = next(path.parent for path in (made / "cases").rglob("withhold.json"))
     for most in (None, 4):
         with pytest.raises(InputError, match="asked"):
-            run.solve(case, MACHINE, most=most)
+            run.solve(case, most=most)
     assert asked == [None, 4]
 
 
@@ -126,13 +136,13 @@ def test_from_the_secret_to_the_score(made: Path, cluster: str) -> None:
     waiting, count = waiting_cases(made / "cases", answers)
     assert ([case.name for case in waiting], count) == (sorted(truths), CASES)
     (healthy,) = [case for case in waiting if truths[case.name]["class"] == "none"]
-    assert list(answer_cases([healthy], MACHINE, answers)) == [(healthy, None)]
+    assert list(answer_cases([healthy], answers)) == [(healthy, None)]
     first = (answers / f"{healthy.name}.json").read_bytes()
     left, _ = waiting_cases(made / "cases", answers)
     assert left == [case for case in waiting if case != healthy]
     later = [case for case in left if truths[case.name]["class"] in ("pair", "stranger")]
     left = [case for case in left if case not in later]
-    assert sorted(answer_cases(left, MACHINE, answers, cluster=cluster)) == [(case, None) for case in left]
+    assert sorted(answer_cases(left, answers, cluster=cluster)) == [(case, None) for case in left]
     assert (answers / f"{healthy.name}.json").read_bytes() == first
     assert waiting_cases(made / "cases", answers) == (later, CASES)
     found = score(made / "cases", made / "seal.json", answers)

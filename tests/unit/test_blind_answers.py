@@ -39,7 +39,7 @@ def told(**more: object) -> dict:
         ({"verdict": "explained"}, "effects: Field required"),
         (told(verdict="sure"), "verdict: 'sure' is wrong: Input should be 'consistent'"),
         (told(effects=[]), "the verdict is 'explained' but effects names no cause"),
-        (told(effects=[{**HEAVY, "id": "gremlin"}]), "a boom has no effect 'gremlin'; there are base_compliance"),
+        (told(effects=[{**HEAVY, "id": "gremlin"}]), "there is no effect 'gremlin'; there are actuator_bias"),
         (told(effects=[{**HEAVY, "probability": 80}]), "effects.0.probability: 80 is wrong: .*less than or equal to 1"),
         (told(effects=[{"id": "wind", "parameters": {"mean_speed": 3}}]), "effects.0.parameters.mean_speed: 3 is"),
         (told(effects=[{"id": "wind", "parameters": {"mean_speed": {"value": 3, "low": 2, "high": 1}}}]), "above high"),

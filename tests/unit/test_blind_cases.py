@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import boom_mj
-from boom_mj.blind import MIX, SHORT, make_cases, waiting_cases
-from boom_mj.blind.generate import SUITE, Suite
+from boom_mj.blind import MIX, SHORT, BoomBench, make_cases, waiting_cases
+from boom_mj.blind.boom_bench import SUITE, Suite
 from boom_mj.blind.plant import AS_BUILT, HINGES, nuisances, true_plant
 from boom_mj.blind.sampling import Order, draw, draw_all, orders
 from boom_mj.blind.sandbox import confined_to
@@ -122,7 +122,7 @@ def test_the_true_plant_is_not_the_diagnosing_model() -> None:
 
 
 def test_a_guessable_secret_and_a_seal_among_the_cases_are_refused(tmp_path: Path) -> None:
-    wanted = (1, "", SHORT, dict(MIX), tmp_path / "cases")
+    wanted = (1, BoomBench("", SHORT), dict(MIX), tmp_path / "cases")
     with pytest.raises(InputError, match="outside"):
         next(make_cases(wanted[0], bytes(32), *wanted[1:], tmp_path / "cases" / "seal.json", 1))
     with pytest.raises(InputError, match="16"):

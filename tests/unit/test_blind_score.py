@@ -73,6 +73,30 @@ def test_what_is_right(sealed: dict, told: dict, right: bool, placed: bool) -> N
     assert bool(found.reason) == (not (right and placed))
 
 
+@pytest.mark.parametrize(
+    ("sealed", "told", "right"),
+    [
+        (truth("single", SOFT), answer("partial", SOFT, TILT), True),
+        (truth("single", SOFT), answer("partial", SOFT, HEAVY), False),
+        (truth("single", SOFT), answer("partial", TILT), False),
+        (truth("none"), answer("consistent"), True),
+        (truth("none"), answer("unexplained"), True),
+        (truth("none"), answer("partial", TILT), True),
+        (truth("none"), answer("explained", HEAVY), False),
+        (truth("none"), NO_ANSWER, False),
+        (truth("withheld", SOFT), answer("partial", TILT), True),
+        (truth("withheld", SOFT), answer("partial", TILT, HEAVY), False),
+        (truth("withheld", SOFT), answer("consistent"), False),
+    ],
+)
+def test_small_effects_of_every_machine_are_neither_asked_for_nor_wrong(sealed: dict, told: dict, right: bool) -> None:
+    small = {**effect("imu_bias", {"link": 2}), "alike": [TILT]}
+    assert judge_case("a", {**sealed, "clutter": [small]}, told).right == right
+    found = judge_case("a", {**sealed, "clutter": [TILT]}, told)
+    assert found.right == right and bool(found.reason) == (not right)
+    assert found.named == sum(e["id"] != "base_tilt" for e in told["effects"])
+
+
 def test_reasons_name_what_happened() -> None:
     assert (
         "wrong place: link_stiffness link 4"

@@ -9,7 +9,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from boom_mj.blind import Suite, make_cases, read_answer
+from boom_mj.blind import BoomBench, Suite, make_cases, read_answer
 from boom_mj.simulation import CATALOGUE, Experiment
 
 ROOT = Path(__file__).parents[2]
@@ -26,8 +26,8 @@ def brief(name: str) -> Experiment:
 def case(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A case of one effect on the second boom, 4 s a recording."""
     at = tmp_path_factory.mktemp("methods")
-    suite = Suite((brief("release_bow_vertical"),), (brief("release_bow_horizontal"),))
-    list(make_cases(1, b"everybody may read it", MACHINE, suite, {"single": 1.0}, at / "cases", at / "seal.json", 1))
+    bench = BoomBench(MACHINE, Suite((brief("release_bow_vertical"),), (brief("release_bow_horizontal"),)))
+    list(make_cases(1, b"everybody may read it", bench, {"single": 1.0}, at / "cases", at / "seal.json", 1))
     return next((at / "cases").glob("*/train")).parent
 
 
