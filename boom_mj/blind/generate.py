@@ -15,7 +15,7 @@ holds what its sensors said and nothing else (reading and writing it again gives
 import json
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -24,9 +24,9 @@ import numpy as np
 
 from boom_mj.blind.answers import answer_schema
 from boom_mj.blind.bench import Bench
-from boom_mj.blind.sampling import Order, draw_all, draw_clutter, embracing, known_effects, orders
+from boom_mj.blind.sampling import Order, draw_all, draw_clutter, embracing, known_effects, orders, others
 from boom_mj.effects import Effect
-from boom_mj.errors import EquilibriumError, InputError, SimulationError
+from boom_mj.errors import EffectError, EquilibriumError, InputError, SimulationError
 from boom_mj.files import locked, read_json, sweep, write_text
 from boom_mj.spreading import results
 
@@ -134,11 +134,13 @@ def _write_json(path: Path, content: Any) -> None:
 def _make(case: _Case) -> dict[str, Any]:
     """Simulate and write a case; what its seal says."""
     rng, folder = np.random.default_rng(case.entropy), Path(case.folder) / case.name
-    for _ in range(TRIES):
+    for attempt in range(2 * TRIES):
+        if attempt >= TRIES:  # no size nor place will do
+            case = replace(case, order=others(case.order, rng, case.bench.sites))
         try:
             sealed = _drawn(case, rng, folder)
             break
-        except (EquilibriumError, SimulationError):
+        except (EffectError, EquilibriumError, SimulationError):
             continue  # the coarse model stood it, the fine one does not
     else:
         raise InputError(f"no {case.order.kind} case of {', '.join(case.order.ids)} can be simulated")

@@ -97,7 +97,7 @@ class PlantFile(_Part):
 
     rate: Positive
     step: Positive = 0.2
-    integrator: Literal["Euler", "implicit", "implicitfast"] = "Euler"
+    integrator: Literal["Euler", "implicit", "implicitfast"] = "implicit"
     effects: tuple[str, ...] = ()
     servo: Mapping[str, Servo] = {}
     sensor: Mapping[str, Sensor] = {}
@@ -155,10 +155,10 @@ class MjcfPlant:
         self.between = tuple(at_servos)  # a servo's motor and what is logged of it
         self.simulated = tuple(e for e in self.effects if not is_output(e) and e not in at_servos and not _drives(e))
         edited = self.spec.copy()
-        for effect in self.simulated:
-            if isinstance(effect, ModelEffect):
-                effect.edit(edited, None)
         try:
+            for effect in self.simulated:
+                if isinstance(effect, ModelEffect):
+                    effect.edit(edited, None)
             self.model = drivable(edited, (), pushed(self.simulated, self.channels))
         except ValueError as error:
             raise EffectError(f"{', '.join(map(str, effects))} makes no machine: {error}") from error

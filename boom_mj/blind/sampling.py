@@ -1,7 +1,7 @@
 """What a case is made of: its class, its effects with places and sizes, and what it leaves out of the library."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import cycle
 
 import numpy as np
@@ -95,6 +95,13 @@ def orders(
 def known_effects(sites: Sequence[Site] = BOOM_SITES) -> list[str]:
     """Ids of what the library has for a machine."""
     return [name for name, kind in builtin().items() if kind.competes and kind.allowed(sites)]
+
+
+def others(order: Order, rng: np.random.Generator, sites: Sequence[Site] = BOOM_SITES) -> Order:
+    """The same order of as many other effects, where none of its own can be simulated."""
+    known = UNLISTED if order.kind == "stranger" else known_effects(sites)
+    ids = _spare(known, (*order.ids, order.without), rng)[: len(order.ids)]
+    return replace(order, ids=tuple(ids), without=ids[0] if order.kind == "withheld" else order.without)
 
 
 def embracing(name: str) -> list[str]:

@@ -11,7 +11,7 @@ import boom_mj
 from boom_mj.blind import MIX, SHORT, BoomBench, make_cases, waiting_cases
 from boom_mj.blind.boom_bench import SUITE, Suite
 from boom_mj.blind.plant import AS_BUILT, HINGES, nuisances, true_plant
-from boom_mj.blind.sampling import Order, draw, draw_all, orders
+from boom_mj.blind.sampling import Order, draw, draw_all, orders, others
 from boom_mj.blind.sandbox import confined_to
 from boom_mj.blind.unlisted import UNLISTED
 from boom_mj.effects import BOOM_SITES, builtin, effect_library
@@ -100,6 +100,16 @@ def test_what_shows_nowhere_gives_way_to_another_effect() -> None:
     assert shown == [draw("wind", np.random.default_rng(1), seen)]
     hidden = draw_all(Order("single", ("link_mass",), "tip_payload"), np.random.default_rng(0), lambda effects: 0.01)
     assert len(hidden) == 1 and hidden[0][0].id != "tip_payload"
+
+
+def test_what_cannot_be_simulated_gives_way_to_as_many_others() -> None:
+    rng = np.random.default_rng(0)
+    pair = others(Order("pair", ("wind", "joint_play"), "tip_payload"), rng)
+    assert (pair.kind, pair.without, len(set(pair.ids))) == ("pair", "tip_payload", 2)
+    assert not {"wind", "joint_play", "tip_payload"} & {*pair.ids}
+    withheld = others(Order("withheld", ("wind",), "wind"), rng)
+    assert withheld.ids == (withheld.without,) != ("wind",)
+    assert others(Order("stranger", ("camera_scale",), "wind"), rng).ids[0] in UNLISTED
 
 
 def test_strangers_are_described_nowhere_in_the_library() -> None:
