@@ -12,7 +12,8 @@ import mujoco
 import numpy as np
 
 from boom_mj.blind.bench import Bench
-from boom_mj.blind.mjcf_plant import MjcfPlant, PlantFile, parse_plant
+from boom_mj.blind.mjcf_plant import MjcfPlant
+from boom_mj.blind.plant_file import PlantFile, parse_plant
 from boom_mj.blind.sampling import known_effects
 from boom_mj.blind.task import mjcf_readme
 from boom_mj.effects import Effect, Site, builtin, parse_effect
@@ -34,7 +35,7 @@ STRONG = 100.0  # times a size worth finding, that what imitates an effect may h
 
 @dataclass(frozen=True)
 class MjcfBench(Bench):
-    """A machine by the texts of its channel map, its model, and its plant (`mjcf_plant`)."""
+    """A machine by the texts of its channel map, its model, and its plant (`plant_file`)."""
 
     channels: str
     model: str

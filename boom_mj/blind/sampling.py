@@ -182,7 +182,7 @@ def draw(
     """
     kind = {**builtin(), **UNLISTED}[name]
     places = kind.allowed(sites)
-    best: tuple[float, tuple[Effect, dict[str, float]] | None] = (0.0, None)
+    best: tuple[float, tuple[Effect, dict[str, float]] | None] = (-1.0, None)
     for _ in range(TRIES):
         site = places[rng.integers(len(places))]
         effect, values = _sized(kind, site, rng, lambda: float(np.exp(rng.uniform(np.log(SMALL), np.log(LARGE)))))

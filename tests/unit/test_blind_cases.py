@@ -98,6 +98,7 @@ def test_what_shows_nowhere_gives_way_to_another_effect() -> None:
     assert (first.id, second.id) == ("link_mass", "wind")
     shown = draw_all(Order("single", ("wind",), "tip_payload"), np.random.default_rng(1), seen)
     assert shown == [draw("wind", np.random.default_rng(1), seen)]
+    assert draw("wind", np.random.default_rng(1), lambda effects: 0.0)[0].id == "wind"  # shows nothing, and stands
     hidden = draw_all(Order("single", ("link_mass",), "tip_payload"), np.random.default_rng(0), lambda effects: 0.01)
     assert len(hidden) == 1 and hidden[0][0].id != "tip_payload"
 

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from boom_mj.blind import MjcfBench, make_cases, read_answer, score
-from boom_mj.blind.mjcf_plant import LEAD, MjcfPlant, parse_plant
+from boom_mj.blind.mjcf_plant import MjcfPlant
+from boom_mj.blind.plant_file import LEAD, parse_plant
 from boom_mj.blind.run import read_case, solve
 from boom_mj.blind.sampling import CLUTTER, Order, draw_clutter, embracing, known_effects
 from boom_mj.effects import Effect, make_effect
