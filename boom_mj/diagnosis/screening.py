@@ -160,14 +160,36 @@ class Screening:
             own = [self.columns[:, part] for part in self.parts_of(effects)]
             equations = self._equations(residual, np.column_stack([self.follow, *own]))
         else:
-            follow = np.column_stack([about.posterior.trained, jacobian[about.data.train]])
-            equations = self._equations(residual, follow, about.posterior)
+            equations = self._beside(residual, about, jacobian)
         promise: dict[tuple, float] = {}
         for (kind, site, _), part in zip(self.rows, self.stretches):
             if apart(kind, site, effects):
                 share, _ = self._explained(equations, part)
                 promise[kind.id, site.key] = max(share, promise.get((kind.id, site.key), 0.0))
         return promise
+
+    def imitations(
+        self, effects: Hypothesis, change: Array, about: Linearisation, jacobian: Array
+    ) -> tuple[list[Screened], float]:
+        """Candidates with the share of a change that each alone makes as well, and how large it is, a mean square.
+
+        Args:
+            effects: that stay and follow freely.
+            change: whitened, (N,).
+            about: the machine of which it is one.
+            jacobian: what its effects change there, (N, p).
+        """
+        equations, found = self._beside(change, about, jacobian), list[Screened]()
+        for (kind, site, group), part in zip(self.rows, self.stretches):
+            if apart(kind, site, effects):
+                share, weights = self._explained(equations, part)
+                found.append(Screened(Candidate((kind(site, **kind.combine(site, group, weights)),)), share))
+        return found, equations.whole / len(self.columns)
+
+    def _beside(self, residual: Array, about: Linearisation, jacobian: Array) -> "NormalEquations":
+        """About a machine that is known, where its effects follow as they do there."""
+        follow = np.column_stack([about.posterior.trained, jacobian[about.data.train]])
+        return self._equations(residual, follow, about.posterior)
 
     def beside(self, effects: Hypothesis, residual: Array, lines_hz: Sequence[float]) -> dict[Kind, float]:
         """Candidates worth screening about the machine that effects make, best first, with what they promise.

@@ -10,6 +10,7 @@ from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.decision import Gaps, choose, nested, solved, sure, useful
 from boom_mj.diagnosis.fitting import fit, grid_starts
 from boom_mj.diagnosis.linearisation import Linearisation
+from boom_mj.diagnosis.merging import wholes_of
 from boom_mj.diagnosis.partners import pairs_of, partners_of, shared
 from boom_mj.diagnosis.refining import begun_anew, near, refine
 from boom_mj.diagnosis.scoring import Scored, score
@@ -54,7 +55,7 @@ def combined(
             leader = _shown(scored, as_built, size - 1)
             if leader:
                 scored = _revealed(leader, scored, screening, clock)
-    scored = _anew(scored, as_built, begun, clock)
+    scored = _merged(_anew(scored, as_built, begun, clock), as_built, screening, clock)
     worth = screening.model.criteria.gain_z or any(solved(as_built, j) for j in scored)
     return _simplified(scored, as_built, clock) if worth else scored
 
@@ -212,6 +213,24 @@ def _paired(
     clock.tell("combinations: " + ", ".join(dict.fromkeys(pair.label for pair, _ in pairs)))
     found = _refined(_fit_by_promise(model, pairs, before[0], clock), before, clock)
     return sorted([*scored, *found], key=lambda j: j.held_out)
+
+
+def _merged(scored: list[Scored], as_built: Gaps, screening: Screening, clock: Clock) -> list[Scored]:
+    """With one cause in the place of several of what suffices, as long as that is chosen."""
+    leader = choose(scored, as_built)
+    while leader and solved(as_built, leader):
+        tried = {j.fit.candidate.places for j in scored}
+        wholes = [one for one in wholes_of(leader, screening, as_built[0]) if one.places not in tried]
+        if not wholes or clock.over("one cause in the place of several"):
+            break
+        clock.tell("one cause in the place of several: " + ", ".join(one.label for one in wholes))
+        found = _refined(fit_all(leader.model, wholes, clock), as_built, clock)
+        scored = best_of_each([*scored, *found])
+        chosen = choose(scored, as_built)
+        if chosen not in found:
+            break
+        leader = chosen
+    return scored
 
 
 def _simplified(scored: list[Scored], as_built: Gaps, clock: Clock) -> list[Scored]:

@@ -1,0 +1,41 @@
+"""One cause in the place of several that together do what it does.
+
+A link that is longer moves its markers as a slip of each would, one that bends turns its IMU as well. A search that
+adds one cause at a time meets the parts first, and beside them the whole has nothing left to close.
+"""
+
+from itertools import combinations
+
+import numpy as np
+
+from boom_mj.diagnosis.candidate import Candidate
+from boom_mj.diagnosis.scoring import Scored
+from boom_mj.diagnosis.screening import Screening
+
+PARTS = 2, 3  # causes that one may stand for: two markers and an IMU are what a link has
+
+
+def wholes_of(found: Scored, screening: Screening, before: float) -> list[Candidate]:
+    """Explanations with one other cause in the place of several, those that promise to suffice, best first.
+
+    What parts change, d, is known by their derivatives; of it a cause makes the share s, by its column about the
+    machine as built, while nuisances and the effects that stay follow. A gap g becomes (g^2 + (1 - s) <d, d>)^(1/2).
+
+    Args:
+        before: the gap as built in training.
+    """
+    model, effects, jacobian = found.model, found.fit.effects, found.fit.jacobian
+    owners = np.array([owner for owner, *_ in found.fit.candidate.parameters])
+    there = {*found.fit.candidate.places}
+    promised: dict[Candidate, float] = {}
+    for size in PARTS:
+        for parts in combinations(range(len(effects)), size):
+            mine = np.isin(owners, parts)
+            stay = tuple(effect for k, effect in enumerate(effects) if k not in parts)
+            change = jacobian[:, mine] @ found.fit.scaled[mine]
+            alike, square = screening.imitations(stay, change, model, jacobian[:, ~mine])
+            for one in alike:
+                left = float(np.sqrt(found.train**2 + (1 - one.share) * square))
+                if left <= model.criteria.enough(before) and not {*one.candidate.places} & there:
+                    promised[Candidate((*stay, *one.candidate.effects))] = left
+    return sorted(promised, key=promised.__getitem__)[: model.budget.leaders]

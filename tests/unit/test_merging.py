@@ -1,0 +1,84 @@
+"""One cause in the place of several: what all sensors say alike, met as what each of them says."""
+
+import numpy as np
+from algebra import HUM, SITES, SQUARE, Common, Cube, Hum, Offset, Ramp, Square, Term, predictor, term
+from pytest import approx, mark
+
+from boom_mj.diagnosis import stages
+from boom_mj.diagnosis.candidate import Candidate
+from boom_mj.diagnosis.clock import Clock
+from boom_mj.diagnosis.decision import choose
+from boom_mj.diagnosis.linearisation import linearise
+from boom_mj.diagnosis.merging import wholes_of
+from boom_mj.diagnosis.scoring import Scored
+from boom_mj.diagnosis.screening import Screening
+from boom_mj.effects import Effect
+from boom_mj.estimation.bootstrap import gap
+
+Array = np.ndarray
+Gaps = tuple[float, float]
+
+
+class Alone(Term):
+    """What one sensor says of what all say alike."""
+
+    id = "alone"
+
+    def shape(self, time: Array, angle: Array) -> Array:
+        return np.cos(0.7 * time)
+
+
+KINDS = [(kind, site) for kind in (Square, Cube, Ramp, Hum, Common, Alone) for site in SITES]
+PARTS = term(Alone, 1, 0.05), term(Alone, 2, 0.05)
+WHOLE = term(Common, 1, 0.05)
+
+
+def explained(true: tuple[Effect, ...], by: tuple[Effect, ...]) -> tuple[Scored, Screening, Gaps]:
+    """A machine that has some effects, fitted with others; the screening and the gaps of it as built."""
+    model = linearise(predictor(true))
+    as_built = model.clean(raw := model.residual(model.base))
+    gaps = gap(as_built, model.data.train), gap(as_built, model.data.held_out)
+    screening = Screening(model, KINDS, [])
+    screening.rank(raw)
+    (found,) = stages.fit_all(model, [Candidate(by)], Clock())
+    return found, screening, gaps
+
+
+@mark.parametrize("beside", [(), (SQUARE,), (SQUARE, HUM)])
+def test_what_does_what_parts_do_is_tried_and_chosen(beside: tuple[Effect, ...]) -> None:
+    parts, screening, gaps = explained((WHOLE, *beside), (*PARTS, *beside))
+    promised = wholes_of(parts, screening, gaps[0])
+    assert {one.places for one in promised} <= {
+        Candidate((term(Common, sensor, 1.0), *beside)).places for sensor in (1, 2)
+    }
+    assert promised and promised[0].effects[-1].values["size"] == approx(0.05, rel=0.02)
+    scored = stages._merged([parts], gaps, screening, Clock())
+    chosen = choose(scored, gaps)
+    assert chosen and {e.id for e in chosen.fit.effects} == {"common", *(e.id for e in beside)}
+    assert parts in scored
+
+
+def test_parts_of_other_sizes_are_no_whole() -> None:
+    true = term(Alone, 1, 0.05), term(Alone, 2, -0.02)
+    parts, screening, gaps = explained(true, PARTS)
+    assert wholes_of(parts, screening, gaps[0]) == []
+    assert stages._merged([parts], gaps, screening, Clock()) == [parts]
+
+
+def test_a_cause_is_not_put_in_the_place_of_itself() -> None:
+    """A square and a likeness of it that does nothing: the square alone is a simpler explanation, and no other."""
+    parts, screening, gaps = explained((SQUARE,), (SQUARE, term(Hum, 2, 1e-4)))
+    assert wholes_of(parts, screening, gaps[0]) == []
+
+
+def test_what_does_not_suffice_is_left_as_it_is() -> None:
+    parts, screening, gaps = explained((WHOLE, term(Offset, 1, 0.0), term(Cube, 2, 0.4)), PARTS)
+    assert parts.train > 2
+    assert stages._merged([parts], gaps, screening, Clock()) == [parts]
+
+
+def test_without_time_nothing_is_merged() -> None:
+    parts, screening, gaps = explained((WHOLE,), PARTS)
+    over = Clock(0.0)
+    assert stages._merged([parts], gaps, screening, over) == [parts]
+    assert over.skipped == ("one cause in the place of several",)
