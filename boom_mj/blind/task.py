@@ -36,7 +36,9 @@ damping.
 MJCF = """It is the machine of `model.xml`, but for what
 any model lacks, and for what has gone wrong with it: nothing, one effect, or two, from the table below or from none.
 Name what is wrong, where, and how large it is. Every machine may have a few small effects besides, a fifth of what is
-worth finding: naming one is neither asked for nor wrong.
+worth finding: naming one is neither asked for nor wrong. Ours answers a case by
+
+    python -m boom_mj gap diagnose CASE/train/*.csv --holdout CASE/holdout/*.csv --map map.toml --model model.xml
 
 | file | holds |
 |---|---|
