@@ -23,6 +23,7 @@ HEAVY = 1e6  # armature of a driven joint over its own inertia
 SERVO = 2 * np.pi * 2.0  # rad/s
 THREADS = 1  # of one simulation; several run at a time
 RECORD = "qpos", "qvel", "qacc", "sensordata", "actuator_force"
+IMPLICIT = mujoco.mjtIntegrator.mjINT_IMPLICIT, mujoco.mjtIntegrator.mjINT_IMPLICITFAST
 DRIVE, HAND = "drive/", "hand/"  # actuators of ours: servos, and forces by hand
 
 
@@ -179,11 +180,25 @@ def _step_by_step(model: mujoco.MjModel, batch: Batch, control: Array, stretches
     return {name: np.concatenate([part[name] for part in parts], axis=1) for name in RECORD}
 
 
+def _lost(model: mujoco.MjModel, qvel: Array) -> Array:
+    """What damping takes off actuators' forces within every step, (n, nu), of speeds (n + 1, nv).
+
+    An implicit step takes the damping of an actuator at the speed that it ends with; MuJoCo tells the force before.
+    """
+    lost = np.zeros((len(qvel) - 1, model.nu))
+    if model.opt.integrator in IMPLICIT:
+        change = np.diff(qvel, axis=0)
+        for k in np.flatnonzero(model.actuator_trntype == mujoco.mjtTrn.mjTRN_JOINT):
+            dof = model.jnt_dofadr[model.actuator_trnid[k, 0]]
+            lost[:, k] = -model.actuator_biasprm[k, 2] * model.actuator_gear[k, 0] * change[:, dof]
+    return lost
+
+
 def _run(model: mujoco.MjModel, inputs: Inputs, qpos: Array, qvel: Array, record: Mapping[str, Array]) -> Run:
     """What a stretch did, by name: positions (n, nq) and speeds (n + 1, nv)."""
     middle = (qvel[:-1] + qvel[1:]) / 2
     joints = [model.joint(k) for k in range(model.njnt) if model.joint(k).type[0] in (2, 3)]
-    exerted = record["actuator_force"] * model.actuator_gear[:, 0]
+    exerted = (record["actuator_force"] - _lost(model, qvel)) * model.actuator_gear[:, 0]
     forces = {model.actuator(k).name: exerted[:, k] for k in range(model.nu)}
     acceleration = {j.name: record["qacc"][:, j.dofadr[0]] for j in joints}
     driven = {j: forces[DRIVE + j] - heavy_armature(model, j) * acceleration[j] for j in inputs.path}
