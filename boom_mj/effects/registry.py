@@ -127,7 +127,10 @@ def make_effect(name: str, entries: Mapping[str, Any], sites: Sequence[Site] = B
         raise EffectError(f"no effect {name!r}; the library holds: {', '.join(known)}")
     kind = known[name]
     allowed = kind.allowed(sites)
-    keys = tuple(dict.fromkeys(key for site in allowed for key in site.keys)) or kind.at
+    if not allowed:
+        can = ", ".join(other for other, one in known.items() if one.allowed(sites))
+        raise EffectError(f"this machine cannot have the effect {name}; it can have: {can}")
+    keys = tuple(dict.fromkeys(key for site in allowed for key in site.keys))
     location = {key: entries[key] for key in keys if key in entries}
     site = place(location, allowed)
     if site is None:

@@ -65,7 +65,9 @@ def test_beside_what_suffices_another_is_tried_where_one_may_hide(
 ) -> None:
     single, pair = scored(left, PAYLOAD), scored(0.97, PAYLOAD, SOFT)
     about = SimpleNamespace(**vars(MODEL), predict=lambda given: given, residual=lambda said: said)
-    screening = SimpleNamespace(promises=lambda *given: {SOFT: glance}, model=about)
+    screening = SimpleNamespace(
+        promises=lambda *given: {SOFT: glance}, imitations=lambda *given: ([], 0.0), model=about
+    )
     partner = SimpleNamespace(share=promised, starts=[Candidate((parse_effect(SOFT),))])
     monkeypatch.setattr(stages, "partners_of", lambda *given: [partner])
     monkeypatch.setattr(stages, "_paired", lambda found, *given: [pair, *found])

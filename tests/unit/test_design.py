@@ -134,7 +134,11 @@ def test_an_answer_becomes_a_file_that_simulate_runs(
     [
         ({"effects": [], "verdict": "consistent"}, ["ANSWER"], "neither ties nor effects"),
         ({"verdict": "so so"}, ["ANSWER"], "is no answer"),
-        ({"effects": [{"id": "dead_zone", "location": {"actuator": "motor"}}]}, ["ANSWER"], "a boom has no effect"),
+        (
+            {"effects": [{"id": "dead_zone", "location": {"actuator": "motor"}}]},
+            ["ANSWER"],
+            "cannot have the effect dead_zone",
+        ),
         ({}, [], "give an answer"),
         ({"provenance": {}}, ["ANSWER"], "of which machine"),
         ({"ties": [[{"id": "tip_payload", "location": {}}]]}, ["ANSWER"], "tip_payload has no sizes"),
