@@ -11,6 +11,7 @@ import signal
 import sys
 import warnings
 from collections.abc import Iterator, Sequence
+from types import FrameType
 from typing import Annotated, Any
 
 import typer
@@ -62,9 +63,19 @@ WRONG_CALL = 2
 INTERRUPTED = 130  # what typer makes of Ctrl-C
 
 
+_stops: list[int] = []  # signals that came: a binding to C++ may make an error of its own of an interrupt
+
+
+def _stop(number: int, frame: FrameType | None) -> None:
+    _stops.append(number)
+    signal.default_int_handler(number, frame)
+
+
 def main() -> None:
     """Run the command of this process and end with its exit status."""
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # leave as by Ctrl-C: nothing half-written stays
+    signal.signal(signal.SIGTERM, _stop)  # leave as by Ctrl-C: nothing half-written stays
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _stop)
     status = run()
     if status == 0:
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is done: Ctrl-C is too late to make it fail
@@ -112,6 +123,8 @@ def run(arguments: Sequence[str] | None = None) -> int:
             sys.stdout = open(os.devnull, "w")  # noqa: SIM115
         return _failed(f"{error.filename or 'stdout'} cannot be used: {error.strerror or error}")
     except Exception as error:
+        if _stops:
+            return _failed("interrupted")
         if not lacks_memory(error):
             raise
         return _failed("there is not enough memory for this")

@@ -151,3 +151,26 @@ def test_work_that_begins_afresh_says_what_a_stopped_call_left(tmp_path: Path) -
     for text, told in (('{"complete": false}', True), ('{"complete": true}', False), ("[1]", False), ("{", False)):
         table.write_text(text)
         assert ("stopped" in begins_afresh(table)) == told
+
+
+@pytest.mark.parametrize("stopped", [False, True])
+def test_what_a_binding_makes_of_an_interrupt_is_one(
+    stopped: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+) -> None:
+    """Ctrl-C while C++ converts an argument ends in a TypeError about that argument."""
+
+    def binding(words: list[str]) -> None:
+        try:
+            if stopped:
+                cli._stop(2, None)
+        except KeyboardInterrupt:
+            pass
+        raise TypeError("incompatible function arguments")
+
+    monkeypatch.setattr(cli, "app", binding)
+    monkeypatch.setattr(cli, "_stops", [])
+    if stopped:
+        assert cli.run(["simulate"]) == 1 and capsys.readouterr().err == "error: interrupted\n"
+    else:
+        with pytest.raises(TypeError):
+            cli.run(["simulate"])

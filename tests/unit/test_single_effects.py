@@ -80,7 +80,7 @@ def test_text_becomes_an_effect() -> None:
         ("tip_payload:mass=lots", "number"),
         ("tip_payload:mass", "key=value"),
         ("link_mass:link=7,factor=1.1", "2, 3, 4, 5"),
-        ("coulomb_friction:joint=2,force=1", "coulomb_friction needs joint"),
+        ("coulomb_friction:joint=2,force=1", "cannot have the effect coulomb_friction"),
     ],
 )
 def test_bad_effects_are_named(text: str, told: str) -> None:
