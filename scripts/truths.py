@@ -25,15 +25,15 @@ from boom_mj.systems.predictor import Predictor
 
 def left(case: Path, effects: Sequence[dict[str, Any]]) -> tuple[float, float] | None:
     """Gaps (training, held out) that sealed effects leave; None where the library does not hold them."""
-    system, data, *_ = read_case(case)
+    read = read_case(case)
     try:
         true = tuple(make_effect(e["id"], {**e["location"], **e["parameters"]}) for e in effects)
     except EffectError:
         return None
-    model = linearise(Predictor(system, data, threads=1))
+    model = linearise(Predictor(read.system, read.data, threads=1))
     about = model.relinearised(true, model.posterior.estimate(_residual(model, true)))
     clean = about.clean(_residual(about, true))
-    return gap(clean, data.train), gap(clean, data.held_out)
+    return gap(clean, read.data.train), gap(clean, read.data.held_out)
 
 
 def _residual(model: Linearisation, effects: tuple[Effect, ...]) -> Any:

@@ -41,10 +41,11 @@ class Case:
 
 def read_case(folder: Path) -> Case:
     """A case from its folder, DIR/CASE."""
-    system, data, *_ = opened(folder)
-    assert isinstance(system, BoomSystem)
+    read = opened(folder)
+    if not isinstance(read.system, BoomSystem):
+        raise SystemExit(f"{folder.parent}: methods here are for booms")
     without = json.loads((folder / "withhold.json").read_text())["without"]
-    return Case(folder.name, tuple(without), system, data)
+    return Case(folder.name, tuple(without), read.system, read.data)
 
 
 def case_folders(cases: Path) -> list[Path]:

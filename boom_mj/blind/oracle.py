@@ -50,10 +50,10 @@ def left_by_truth(item: tuple[Path, Sequence[Mapping[str, Any]]]) -> float:
     Of the effects as far as a diagnosis simulates them: the gusts of a wind are estimated, in every recording.
     """
     case, sealed = item
-    system, data, *_ = read_case(case)
-    whole = [make_effect(e["id"], {**e["location"], **e["parameters"]}, system.sites()) for e in sealed]
+    read = read_case(case)
+    whole = [make_effect(e["id"], {**e["location"], **e["parameters"]}, read.system.sites()) for e in sealed]
     effects = tuple(type(e)(e.site, **{name: e.values[name] for name in e.free(e.site)}) for e in whole)
-    healthy = linearise(Predictor(system, data, threads=1))
+    healthy = linearise(Predictor(read.system, read.data, threads=1))
     model = healthy.rebased(effects, np.zeros(len(healthy.nuisances)))
     model = model.relinearised(effects, model.posterior.estimate(model.residual(model.base)))
     return gap(model.clean(model.residual(model.base)), model.data.held_out)

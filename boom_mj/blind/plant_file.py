@@ -1,11 +1,12 @@
 """How machines with a channel map are recorded: NAME.plant.toml beside the map NAME.toml."""
 
 from collections.abc import Mapping
+from itertools import pairwise
 from pathlib import Path
-from typing import Literal
+from typing import Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, FiniteFloat, ValidationError
+from pydantic import BaseModel, ConfigDict, FiniteFloat, ValidationError, model_validator
 from scipy.signal import butter, lfilter, sosfilt, sosfilt_zi
 
 from boom_mj.errors import InputError
@@ -58,10 +59,16 @@ class Sensor(_Part):
 
 
 class Reference(_Part):
-    """What a channel is told: at rest in every knot (time, value), and sines (amplitude, Hz, phase) on top."""
+    """What is asked of a channel: rest in every knot (time, value), and sines (amplitude, Hz, phase) on top."""
 
     knots: tuple[tuple[FiniteFloat, FiniteFloat], ...] = ()
     sines: tuple[tuple[FiniteFloat, FiniteFloat, FiniteFloat], ...] = ()
+
+    @model_validator(mode="after")
+    def _goes_on(self) -> Self:
+        if any(later <= before for (before, _), (later, _) in pairwise(self.knots)):
+            raise ValueError("times of knots must increase")
+        return self
 
     def __call__(self, time: Array) -> Array:
         value = np.zeros(len(time))
@@ -76,7 +83,7 @@ class Reference(_Part):
 
 
 class Motion(_Part):
-    """A recording: what every channel that drives or controls is told; those left out stay at 0."""
+    """A recording: what is asked of every channel that drives or controls; those left out stay at 0."""
 
     name: str
     part: Literal["train", "holdout"]
@@ -116,11 +123,13 @@ def parse_plant(text: str, source: Path | str, channels: ChannelMap) -> PlantFil
     except ValidationError as error:
         first = error.errors()[0]
         raise InputError(f"{source}: {'.'.join(map(str, first['loc']))}: {first['msg']}") from error
-    told = {entry.name for entry in channels.channel if entry.role in ("drive", "control")}
+    if sums := [entry.name for entry in channels.channel if not entry.field]:
+        raise InputError(f"{source}: channel {sums[0]} of the map is a sum of fields, of which a plant knows no parts")
+    asked = {entry.name for entry in channels.channel if entry.role in ("drive", "control")}
     known = {
         "servo": (set(channels.driven), set(plant.servo)),
         "sensor": ({entry.name for entry in channels.channel if entry.sensed}, set(plant.sensor)),
-        "motion.reference": (told, {name for motion in plant.motion for name in motion.reference}),
+        "motion.reference": (asked, {name for motion in plant.motion for name in motion.reference}),
     }
     for where, (there, given) in known.items():
         if wrong := sorted(given - there):

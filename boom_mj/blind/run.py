@@ -10,7 +10,6 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from hashlib import sha256
 from pathlib import Path
-from typing import NamedTuple
 
 from boom_mj.blind.boom_bench import MACHINE
 from boom_mj.blind.mjcf_bench import MAP, MODEL, PARTS, case_of_mjcf
@@ -19,17 +18,15 @@ from boom_mj.diagnosis.answer import document
 from boom_mj.diagnosis.diagnose import diagnose
 from boom_mj.effects import Equipped, effect_library
 from boom_mj.errors import InputError, MachineFileError
-from boom_mj.estimation.dataset import Dataset
 from boom_mj.files import locked, read_bytes, read_json, read_text, write_text
 from boom_mj.logs import read_log
 from boom_mj.machine import parse_machine
 from boom_mj.recording import Recording
-from boom_mj.replay.quality import DataFinding
 from boom_mj.spreading import spread
 from boom_mj.systems.boom.load import checked_data
 from boom_mj.systems.boom.system import BoomSystem
 from boom_mj.systems.predictor import Predictor
-from boom_mj.systems.system import System
+from boom_mj.systems.recorded import RecordedMachine
 
 NOMINAL = MACHINE, MAP, MODEL  # files of a set that a diagnosis may read
 
@@ -42,6 +39,8 @@ def waiting_cases(folder: Path, answers: Path) -> tuple[list[Path], int]:
     """
     if not (folder / "seal.sha256").is_file():
         raise InputError(f"{folder} holds no sealed campaign: there is no seal.sha256")
+    if not any((folder / name).is_file() for name in NOMINAL):
+        raise InputError(f"{folder} holds no nominal machine: there is neither {MACHINE} nor {MAP}")
     published = read_text(folder / "seal.sha256", InputError).strip()
     for path in sorted(folder.rglob("*")):
         if path.is_file() and sha256(read_bytes(path, InputError)).hexdigest() == published:
@@ -81,32 +80,23 @@ def solve(case: Path, most: int | None = None) -> str:
     effect_library()  # of other packages, too, before the door shuts
     with confined_to(case, *(case.parent / name for name in NOMINAL)):
         without = tuple(read_json(case / "withhold.json", InputError)["without"])
-        system, data, names, findings = read_case(case)
-        answer = diagnose(Predictor(system, data, threads=1), without, most=most)
-        found = document(answer, names, findings)
+        read = read_case(case)
+        answer = diagnose(Predictor(read.system, read.data, threads=1), without, most=most)
+        found = document(answer, read.names, read.findings)
     took = {"wall_s": time.perf_counter() - began, "cpu_s": time.process_time() - spent}
     return json.dumps({**found, "without": without, **took}, indent=1)
 
 
-class CaseData(NamedTuple):
-    """A case as a diagnosis sees it; see `GapData` of the command line."""
-
-    system: System
-    data: Dataset
-    names: Sequence[str]
-    findings: Sequence[DataFinding]
-
-
-def read_case(case: Path) -> CaseData:
+def read_case(case: Path) -> RecordedMachine:
     """The nominal machine that lies beside a case, and its recordings."""
     nominal = case.parent
     if (nominal / MAP).is_file():
         system, data = case_of_mjcf(case, nominal)
-        return CaseData(system, data, [log.name for log in data.recordings], ())
+        return RecordedMachine(system, data, [log.name for log in data.recordings])
     train, held_out = case_logs(case)
     boom = BoomSystem(parse_machine(read_text(nominal / MACHINE, MachineFileError)))
     checked = checked_data(boom, [*train, *held_out], len(train))
-    return CaseData(boom, checked.data, checked.names, checked.findings)
+    return RecordedMachine(boom, checked.data, checked.names, checked.findings)
 
 
 def case_logs(case: Path) -> tuple[list[Recording], list[Recording]]:

@@ -1,7 +1,6 @@
 """What commands about a gap are given: a machine and its recordings, of a boom or through a channel map."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,24 +8,8 @@ from boom_mj.cli.arguments import check_machine, find_machine, machine_text
 from boom_mj.errors import InputError
 
 if TYPE_CHECKING:
-    from boom_mj.estimation.dataset import Dataset
-    from boom_mj.replay.quality import DataFinding
+    from boom_mj.systems.recorded import RecordedMachine
     from boom_mj.systems.system import System
-
-
-@dataclass(frozen=True, eq=False)
-class GapData:
-    """A system and its recordings, training first.
-
-    Attributes:
-        names: of the recordings as answers list them.
-        findings: what is wrong with the logs.
-    """
-
-    system: "System"
-    data: "Dataset"
-    names: tuple[str, ...]
-    findings: "tuple[DataFinding, ...]" = ()
 
 
 def load_gap_data(
@@ -38,7 +21,7 @@ def load_gap_data(
     healthy: Sequence[Path] = (),
     strict: bool = False,
     tell: Callable[[str], None] = lambda line: None,
-) -> GapData:
+) -> "RecordedMachine":
     """Read and check what is given.
 
     Args:
@@ -59,6 +42,7 @@ def load_gap_data(
     from boom_mj.logs import read_log
     from boom_mj.systems.boom import BoomSystem
     from boom_mj.systems.boom.load import checked_data
+    from boom_mj.systems.recorded import RecordedMachine
 
     paths = [*logs, *holdout]
     recordings = [read_log(path) for path in paths]
@@ -69,7 +53,7 @@ def load_gap_data(
     if healthy:
         system = as_built(boom, [read_log(path) for path in healthy], Clock(tell=tell))
     checked = checked_data(boom, recordings, len(logs), list(map(str, paths)), built=system, strict=strict)
-    return GapData(system, checked.data, tuple(checked.names), tuple(checked.findings))
+    return RecordedMachine(system, checked.data, tuple(checked.names), tuple(checked.findings))
 
 
 def _any_machine(
@@ -79,11 +63,12 @@ def _any_machine(
     model: Path | None,
     healthy: Sequence[Path],
     tell: Callable[[str], None],
-) -> GapData:
+) -> "RecordedMachine":
     from boom_mj.diagnosis.clock import Clock
     from boom_mj.diagnosis.healthy import as_built
     from boom_mj.systems.mjcf import load_mjcf
     from boom_mj.systems.predictor import dataset_of
+    from boom_mj.systems.recorded import RecordedMachine
 
     system: System
     system, data = load_mjcf(logs, holdout, channels, model)
@@ -91,4 +76,4 @@ def _any_machine(
         plain, well = load_mjcf(healthy, healthy, channels, model)
         system = as_built(plain, well.recordings[: well.training], Clock(tell=tell))
         data = dataset_of(system, data.recordings, data.training)
-    return GapData(system, data, tuple(log.name for log in data.recordings))
+    return RecordedMachine(system, data, tuple(log.name for log in data.recordings))

@@ -164,6 +164,9 @@ def test_a_campaign_with_its_seal_inside_is_not_run(tmp_path: Path) -> None:
     (tmp_path / "aa").mkdir()
     (tmp_path / "aa" / "withhold.json").write_text('{"without": []}')
     (tmp_path / "seal.sha256").write_text(sha256(b"truth").hexdigest())
+    with pytest.raises(InputError, match=r"neither machine\.toml nor map\.toml"):
+        waiting_cases(tmp_path, tmp_path / "answers")
+    (tmp_path / "machine.toml").write_text("")
     assert waiting_cases(tmp_path, tmp_path / "answers") == ([tmp_path / "aa"], 1)
     (tmp_path / "aa" / "notes").write_bytes(b"truth")
     with pytest.raises(InputError, match="notes is the seal"):

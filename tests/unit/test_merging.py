@@ -66,7 +66,7 @@ def test_parts_of_other_sizes_are_no_whole() -> None:
 
 
 def test_a_cause_is_not_put_in_the_place_of_itself() -> None:
-    """A square and a likeness of it that does nothing: the square alone is a simpler explanation, and no other."""
+    """Beside a hum that does nothing the square alone is a simpler explanation, and no other one."""
     parts, screening, gaps = explained((SQUARE,), (SQUARE, term(Hum, 2, 1e-4)))
     assert wholes_of(parts, screening, gaps[0]) == []
 

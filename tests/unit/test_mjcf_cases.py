@@ -145,12 +145,19 @@ def test_a_reference_starts_at_rest_and_rests_in_its_knots() -> None:
         (lambda text: text.replace("reference.carriage", "reference.cart"), "motion.reference names cart"),
         (lambda text: text.replace('part = "holdout"', 'part = "train"'), "one for holdout"),
         (lambda text: text.replace("rate = 200", "rate = 0"), "rate: "),
+        (lambda text: text.replace("[2.5, 0.3]", "[0.5, 0.3]"), "times of knots must increase"),
         (lambda text: text.replace("rate = 200", "rates = 200"), "rate"),
     ],
 )
 def test_a_plant_that_does_not_fit_its_map_is_refused(change: Callable[[str], str], said: str) -> None:
     with pytest.raises(InputError, match=said):
         parse_plant(change(PLANT), "plant", parse_channel_map(drive().channels))
+
+
+def test_a_sum_of_fields_is_no_channel_of_a_plant() -> None:
+    channels = parse_channel_map(drive().channels.replace('field = "f"', "terms = {f = 1.0}"))
+    with pytest.raises(InputError, match="channel force of the map is a sum of fields"):
+        parse_plant(PLANT, "plant", channels)
 
 
 def test_a_map_without_a_plant_is_refused(tmp_path: Path) -> None:
@@ -215,9 +222,9 @@ def test_from_a_map_to_the_score(tmp_path: Path) -> None:
         assert one["visibility"] >= drive().visible
         without = json.loads((cases / name / "withhold.json").read_text())["without"]
         assert (one["effects"][0]["id"] in without) == (one["class"] == "withheld")
-        system, data, *_ = read_case(cases / name)
-        assert data.training and len(data.recordings) == 2
-        assert make_effect(one["effects"][0]["id"], one["effects"][0]["location"], system.sites())
+        read = read_case(cases / name)
+        assert read.data.training and len(read.data.recordings) == 2
+        assert make_effect(one["effects"][0]["id"], one["effects"][0]["location"], read.system.sites())
     (single,) = (name for name, one in truth.items() if one["class"] == "single")
     answers.mkdir()
     (answers / f"{single}.json").write_text(solve(cases / single, most=1))
