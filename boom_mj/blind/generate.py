@@ -24,7 +24,7 @@ import numpy as np
 
 from boom_mj.blind.answers import answer_schema
 from boom_mj.blind.bench import Bench
-from boom_mj.blind.sampling import Order, draw_all, draw_clutter, embracing, known_effects, orders, others
+from boom_mj.blind.sampling import Order, draw_all, draw_clutter, family, known_effects, orders, others
 from boom_mj.effects import Effect
 from boom_mj.errors import EffectError, EquilibriumError, InputError, SimulationError
 from boom_mj.files import locked, read_json, sweep, write_text
@@ -145,7 +145,7 @@ def _make(case: _Case) -> dict[str, Any]:
     else:
         raise InputError(f"no {case.order.kind} case of {', '.join(case.order.ids)} can be simulated")
     withheld = case.order.kind == "withheld"
-    without = embracing(sealed["effects"][0]["id"]) if withheld else [case.order.without]
+    without = family(sealed["effects"][0]["id"]) if withheld else [case.order.without]
     _write_json(folder / "withhold.json", {"without": without})
     return sealed
 

@@ -79,7 +79,7 @@ def judge_case(case: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -
     """Hold an answer against what was sealed."""
     solved = answer["verdict"] in ("explained", "ambiguous", "partial")
     true, clutter = truth["effects"], [one for e in truth.get("clutter", ()) for one in (e, *e.get("alike", ()))]
-    named = [e for e in answer["effects"] if not _matching(e, clutter)] if solved else []
+    named = [e for e in answer["effects"] if _matching(e, true) or not _matching(e, clutter)] if solved else []
     ids, found = sorted(e["id"] for e in true), sorted(e["id"] for e in named)
     tied = _tied(answer)
     right = placed = held = False

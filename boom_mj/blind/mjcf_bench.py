@@ -14,7 +14,7 @@ import numpy as np
 from boom_mj.blind.bench import Bench
 from boom_mj.blind.mjcf_plant import MjcfPlant
 from boom_mj.blind.plant_file import PlantFile, parse_plant
-from boom_mj.blind.sampling import known_effects
+from boom_mj.blind.sampling import family, known_effects
 from boom_mj.blind.task import mjcf_readme
 from boom_mj.effects import Effect, Site, builtin, parse_effect
 from boom_mj.effects.base import Cause
@@ -65,7 +65,7 @@ class MjcfBench(Bench):
 
     @property
     def sites(self) -> Sequence[Site]:
-        return _healthy(self).system.sites()
+        return _recorded(self, ()).system.sites()
 
     @property
     def unlisted(self) -> Mapping[str, type[Effect]]:
@@ -93,10 +93,10 @@ class MjcfBench(Bench):
         return min(_size(least[rows]) for rows in (_healthy(self).data.train, _healthy(self).data.held_out))
 
     def alike(self, effect: Effect) -> list[Cause]:
-        change = _seen(self, (effect,))
-        if _size(change) < self.visible:
-            return []
-        found = (cause for cause, columns in _imitations(self) if _size(_beyond(columns, change)) < self.visible)
+        change, (_, *forms) = _seen(self, (effect,)), family(effect.id)
+        found = [(form, effect.cause[1]) for form in forms if effect.site in builtin()[form].allowed(self.sites)]
+        if _size(change) >= self.visible:
+            found += [cause for cause, columns in _imitations(self) if _size(_beyond(columns, change)) < self.visible]
         return [cause for cause in dict.fromkeys(found) if cause != effect.cause]
 
     def individual(self, rng: np.random.Generator, as_built: bool) -> tuple[Effect, ...]:
@@ -116,12 +116,17 @@ class MjcfBench(Bench):
         return channels, parse_plant(self.plant, "plant", channels)
 
 
-@cache
 def _healthy(bench: MjcfBench) -> Predictor:
-    """The nominal machine with logs of one that has no effect, for places, sizes, and what shows."""
+    """With logs of a machine that has no effect but what every plant has: for sizes, and what shows."""
+    return _recorded(bench, bench.individual(np.random.default_rng(0), False))
+
+
+@cache
+def _recorded(bench: MjcfBench, effects: tuple[Effect, ...]) -> Predictor:
+    """The nominal machine with logs of one that has effects."""
     with TemporaryDirectory() as folder:
         case = Path(folder)
-        bench.record((), np.random.default_rng(0), case)
+        bench.record(effects, np.random.default_rng(0), case)
         for name, text in bench.files.items():
             write_text(case / name, text)
         return Predictor(*case_of_mjcf(case, case), threads=1)

@@ -104,9 +104,11 @@ def others(order: Order, rng: np.random.Generator, sites: Sequence[Site] = BOOM_
     return replace(order, ids=tuple(ids), without=ids[0] if order.kind == "withheld" else order.without)
 
 
-def embracing(name: str) -> list[str]:
-    """An effect's id and those of effects that become it at some of their values: it is withheld with all of them."""
-    return [name, *(other for other, kind in builtin().items() if name in kind.special_cases)]
+def family(name: str) -> list[str]:
+    """An effect's id, and those of effects that become it at some of their values, or it them."""
+    known = builtin()
+    special = known[name].special_cases if name in known else ()
+    return [name, *(other for other, kind in known.items() if name in kind.special_cases or other in special)]
 
 
 def _deck(names: Sequence[str] | Mapping[str, object], rng: np.random.Generator) -> Iterator[str]:

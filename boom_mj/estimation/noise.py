@@ -4,6 +4,9 @@ Residuals are whitened by V = D + e e^T in every channel, D = noise^2 + spread^2
 its hinges and its steps, has a size, their doubts; the spread is a share of these, added in squares, within half a
 second, and e, a share of their sum as it is, may be wrong all along a channel. What latent inputs explain does not
 count.
+
+Of a machine whose simulation is less sure than another's, residuals would count less. As in a likelihood, where the
+determinant of D weighs against that, they count less here and there, but not on the whole (`as_sharp_as`).
 """
 
 from dataclasses import dataclass, replace
@@ -58,6 +61,16 @@ class NoiseModel:
     def plain(self) -> "NoiseModel":
         """Without blur and latent inputs."""
         return replace(self, blur_s=None, latent=None)
+
+    @cached_property
+    def size(self) -> float:
+        """Geometric mean of sqrt(D)."""
+        there = self.weight > 0
+        return float(np.exp(-np.mean(np.log(self.weight[there])))) if there.any() else 1.0
+
+    def as_sharp_as(self, size: float) -> "NoiseModel":
+        """With a D of no more than that geometric mean, and of the same course."""
+        return replace(self, weight=self.weight * max(1.0, self.size / size))
 
     @cached_property
     def _scaled_error(self) -> tuple[Array, Array]:

@@ -97,6 +97,12 @@ def test_small_effects_of_every_machine_are_neither_asked_for_nor_wrong(sealed: 
     assert found.named == sum(e["id"] != "base_tilt" for e in told["effects"])
 
 
+def test_a_true_effect_that_a_small_one_is_like_counts_as_named() -> None:
+    small = {**effect("imu_bias", {"link": 2}), "alike": [SOFT]}
+    found = judge_case("a", {**truth("single", SOFT), "clutter": [small]}, answer("explained", SOFT))
+    assert found.right and found.placed and (found.named, found.hits) == (1, 1)
+
+
 def test_reasons_name_what_happened() -> None:
     assert (
         "wrong place: link_stiffness link 4"
