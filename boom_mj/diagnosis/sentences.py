@@ -62,7 +62,8 @@ def sentence(found: Diagnosis) -> str:
         whole = f"{show} within noise: {before:.3f} without and {after:.3f} with it on what was held out"
     text = f"{cause[0].upper()}{cause[1:]}{together} {whole}"
     if found.ties and found.verdict != "partial":
-        text += ", and so would " + " or ".join(j.label for j in found.ties)
+        rivals = (j.label + ", of implausible size" * (not j.plausible) for j in found.ties)
+        text += ", and so would " + " or ".join(rivals)
         if found.next_experiment:
             text += f"; {found.next_experiment} would tell them apart"
     if found.outliers:

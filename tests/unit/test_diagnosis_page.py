@@ -18,6 +18,7 @@ from diagnoses import (
 )
 
 from boom_mj.diagnosis import document, nominal_predictor, steps
+from boom_mj.diagnosis.sentences import sentence
 from boom_mj.effects import behind, make_effect
 from boom_mj.report import write_diagnosis
 from boom_mj.report.diagnosis.page import SECTIONS, diagnosis_page
@@ -107,6 +108,15 @@ def test_all_numbers_are_numbers(case: str, training: int) -> None:
     shown = [*reader.words, *(value for _, _, value in reader.attributes if not value.startswith("data:"))]
     assert [text for text in shown if re.search(r"\b(nan|inf)\b", text, re.IGNORECASE)] == []
     assert [text for text in reader.words if re.search(r"\bNone\b", text)] == []
+
+
+def test_a_rival_of_implausible_size_is_said_to_be_one() -> None:
+    found = diagnosis("ambiguous")
+    (rival,) = found.ties
+    assert "so would link_mass link 5;" in sentence(found)
+    odd = replace(rival.fit, effects=(make_effect("link_length", {"link": 5, "error": 0.9}),))
+    other = replace(found, ties=(replace(rival, fit=odd),))
+    assert "so would link_mass link 5, of implausible size;" in sentence(other)
 
 
 def test_the_verdict_is_told() -> None:
