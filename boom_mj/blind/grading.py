@@ -92,7 +92,7 @@ def judge_case(case: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -
         held = set(ids) <= {*found, *tied}
     else:
         unnamed = answer["verdict"] == "unexplained" or (solved and not named)
-        right = placed = held = unnamed or bool(tied & twins(ids[0]))
+        right = placed = held = unnamed or (answer["verdict"] == "ambiguous" and bool(tied & twins(ids[0])))
     pairs = [(effect, _matching(effect, named)) for effect in true]
     hits = sum(other is not None for _, other in pairs)
     errors = [errors_of(effect["parameters"], other["parameters"]) for effect, other in pairs if other and right]

@@ -55,6 +55,7 @@ STRANGE = effect("camera_scale", share=0.01)
         (truth("withheld", HEAVY), answer("unexplained"), True, True),
         (truth("withheld", HEAVY), answer("ambiguous", TILT, ties=("end_hose",)), True, True),
         (truth("withheld", HEAVY), answer("ambiguous", TILT, ties=("wind",)), False, False),
+        (truth("withheld", HEAVY), answer("partial", TILT, ties=("end_hose",)), False, False),
         (truth("withheld", HEAVY), answer("explained", effect("end_hose", mass=30.0)), False, False),
         (truth("withheld", HEAVY), answer("consistent"), False, False),
         (truth("stranger", STRANGE), answer("unexplained"), True, True),
