@@ -49,7 +49,7 @@ TEXT = """# What is wrong with these machines?
 
 Every folder here is a case: one machine, recorded by its sensors. {machine}
 | `CASE/holdout/*.{ending}` | recordings that a method is free to use, to check itself |
-| `CASE/withhold.json` | `without`: an id of the table that the method must do without in this case |
+| `CASE/withhold.json` | `without`: ids of the table that the method must do without in this case |
 | `answer.schema.json` | JSON Schema of an answer |
 | `seal.sha256` | SHA-256 of the sealed truth, written with the cases |
 
