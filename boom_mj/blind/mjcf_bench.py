@@ -29,7 +29,7 @@ from boom_mj.systems.predictor import Predictor
 Array = np.ndarray
 PARTS = "train", "holdout"
 MAP, MODEL = "map.toml", "model.xml"
-VISIBLE = 1.0  # of the noise: what the plant has and the model lacks hides less
+VISIBLE = 2.0  # of the declared noise: what every plant has and its model lacks, noise that remembers too, hides less
 STRONG = 100.0  # times a size worth finding, that what imitates an effect may have: of any strength
 
 
