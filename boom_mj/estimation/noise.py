@@ -6,7 +6,8 @@ second, and e, a share of their sum as it is, may be wrong all along a channel. 
 count.
 
 Of a machine whose simulation is less sure than another's, residuals would count less. As in a likelihood, where the
-determinant of D weighs against that, they count less here and there, but not on the whole (`as_sharp_as`).
+determinant of D weighs against that, they count less here and there, but not on the whole of training, nor of what is
+held out (`as_sharp_as`).
 """
 
 from dataclasses import dataclass, replace
@@ -62,15 +63,16 @@ class NoiseModel:
         """Without blur and latent inputs."""
         return replace(self, blur_s=None, latent=None)
 
-    @cached_property
-    def size(self) -> float:
-        """Geometric mean of sqrt(D)."""
-        there = self.weight > 0
-        return float(np.exp(-np.mean(np.log(self.weight[there])))) if there.any() else 1.0
+    def sharper_than(self, other: "NoiseModel") -> Array:
+        """By what factor, of training and of what is held out each, in the geometric mean of weights, (2,)."""
+        there = (self.weight > 0) & (other.weight > 0)
+        parts = [there & rows for rows in (self.data.train, self.data.held_out)]
+        return np.array([np.exp(np.mean(np.log(self.weight[p] / other.weight[p]))) if p.any() else 1.0 for p in parts])
 
-    def as_sharp_as(self, size: float) -> "NoiseModel":
-        """With a D of no more than that geometric mean, and of the same course."""
-        return replace(self, weight=self.weight * max(1.0, self.size / size))
+    def as_sharp_as(self, other: "NoiseModel") -> "NoiseModel":
+        """With a D no larger than another's in that mean, and of the same course."""
+        training, held_out = np.maximum(1.0, other.sharper_than(self))
+        return replace(self, weight=self.weight * np.where(self.data.held_out, held_out, training))
 
     @cached_property
     def _scaled_error(self) -> tuple[Array, Array]:
