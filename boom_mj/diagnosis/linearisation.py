@@ -237,5 +237,5 @@ def _weighed(about: Linearisation, columns: Sequence[Array], estimate: Array) ->
     clean = np.empty((len(base), len(columns)), np.float32)
     for k, column in enumerate(columns):
         clean[:, k] = np.nan_to_num(column)
-    weighed = replace(about, healthy_noise=healthy).with_noise(noise.as_sharp_as(healthy), clean)
+    weighed = replace(about, healthy_noise=healthy).with_noise(noise.no_wider_than(healthy), clean)
     return replace(weighed, base=base - clean @ estimate.astype(np.float32), mean_error=missing)

@@ -5,9 +5,8 @@ its hinges and its steps, has a size, their doubts; the spread is a share of the
 second, and e, a share of their sum as it is, may be wrong all along a channel. What latent inputs explain does not
 count.
 
-Of a machine whose simulation is less sure than another's, residuals would count less. As in a likelihood, where the
-determinant of D weighs against that, they count less here and there, but not on the whole of training, nor of what is
-held out (`as_sharp_as`).
+What a hypothesis makes may be simulated so badly that every residual would be small. Of its own model error no more
+counts than what counts for the healthy machine (`no_wider_than`).
 """
 
 from dataclasses import dataclass, replace
@@ -63,16 +62,9 @@ class NoiseModel:
         """Without blur and latent inputs."""
         return replace(self, blur_s=None, latent=None)
 
-    def sharper_than(self, other: "NoiseModel") -> Array:
-        """By what factor, of training and of what is held out each, in the geometric mean of weights, (2,)."""
-        there = (self.weight > 0) & (other.weight > 0)
-        parts = [there & rows for rows in (self.data.train, self.data.held_out)]
-        return np.array([np.exp(np.mean(np.log(self.weight[p] / other.weight[p]))) if p.any() else 1.0 for p in parts])
-
-    def as_sharp_as(self, other: "NoiseModel") -> "NoiseModel":
-        """With a D no larger than another's in that mean, and of the same course."""
-        training, held_out = np.maximum(1.0, other.sharper_than(self))
-        return replace(self, weight=self.weight * np.where(self.data.held_out, held_out, training))
+    def no_wider_than(self, other: "NoiseModel") -> "NoiseModel":
+        """With a D of at most what counts for another machine and as much again."""
+        return replace(self, weight=np.maximum(self.weight, other.weight / np.sqrt(2)))
 
     @cached_property
     def _scaled_error(self) -> tuple[Array, Array]:
