@@ -59,5 +59,4 @@ def _alone(model: Linearisation, index: int, since_s: float) -> Linearisation:
         base=model.base[rows],
         mean_error=model.mean_error[rows],
         posterior=LinearPosterior.of(noise, model.columns[rows]),
-        healthy_noise=noise,
     )

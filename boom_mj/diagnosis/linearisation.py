@@ -40,7 +40,6 @@ class Linearisation:
         nuisances: what the columns of the posterior are.
         all_nuisances: the same of a machine without effects.
         criteria, budget: what decides, and what is tried.
-        healthy_noise: the noise model of the machine without effects; None for its own.
     """
 
     predictor: Predictor
@@ -54,7 +53,6 @@ class Linearisation:
     all_nuisances: tuple[Nuisance, ...]
     criteria: Criteria
     budget: SearchBudget = field(default_factory=SearchBudget)
-    healthy_noise: NoiseModel | None = None
 
     @property
     def data(self) -> Dataset:
@@ -233,9 +231,7 @@ def _weighed(about: Linearisation, columns: Sequence[Array], estimate: Array) ->
     missing = np.array([check.missing for check in fidelity.checks]) @ changes
     doubts = np.array([check.doubtful for check in fidelity.checks])[:, None] * changes
     noise = noise_model(about.data, doubts, fidelity.along)
-    healthy = about.healthy_noise or noise
     clean = np.empty((len(base), len(columns)), np.float32)
     for k, column in enumerate(columns):
         clean[:, k] = np.nan_to_num(column)
-    weighed = replace(about, healthy_noise=healthy).with_noise(noise.no_wider_than(healthy), clean)
-    return replace(weighed, base=base - clean @ estimate.astype(np.float32), mean_error=missing)
+    return replace(about.with_noise(noise, clean), base=base - clean @ estimate.astype(np.float32), mean_error=missing)

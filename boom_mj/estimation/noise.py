@@ -4,9 +4,6 @@ Residuals are whitened by V = D + e e^T in every channel, D = noise^2 + spread^2
 its hinges and its steps, has a size, their doubts; the spread is a share of these, added in squares, within half a
 second, and e, a share of their sum as it is, may be wrong all along a channel. What latent inputs explain does not
 count.
-
-What a hypothesis makes may be simulated so badly that every residual would be small: its own D has a limit
-(`no_wider_than`).
 """
 
 from dataclasses import dataclass, replace
@@ -29,13 +26,11 @@ class NoiseOptions:
         spread_share: share of what refining changes that may be wrong at every moment.
         reach_blocks: within which it is carried, for phase.
         failed: deviations that stand for a simulation that failed.
-        widest: of D, over the healthy machine's: an error of its own as large as all that counts there.
     """
 
     spread_share: float = 0.5
     reach_blocks: int = 5
     failed: float = 1e3
-    widest: float = 2.0
 
 
 OPTIONS = NoiseOptions()
@@ -63,10 +58,6 @@ class NoiseModel:
     def plain(self) -> "NoiseModel":
         """Without blur and latent inputs."""
         return replace(self, blur_s=None, latent=None)
-
-    def no_wider_than(self, other: "NoiseModel") -> "NoiseModel":
-        """With a D of at most so many times another's."""
-        return replace(self, weight=np.maximum(self.weight, other.weight / np.sqrt(OPTIONS.widest)))
 
     @cached_property
     def _scaled_error(self) -> tuple[Array, Array]:

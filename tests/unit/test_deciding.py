@@ -20,7 +20,7 @@ from boom_mj.errors import LogWarning
 from boom_mj.estimation import dataset
 from boom_mj.estimation.bootstrap import closure, log_squares, mean_over, resampled_means, worse_by
 from boom_mj.estimation.intervals import robust_variance
-from boom_mj.estimation.noise import OPTIONS, NoiseModel, _carried, noise_model
+from boom_mj.estimation.noise import OPTIONS, _carried, noise_model
 from boom_mj.recording import Recording, named_signal
 from boom_mj.replay.quality.edits import blanked
 from boom_mj.systems.boom import BoomSystem
@@ -248,13 +248,6 @@ def test_noise_and_what_a_model_may_err_by_add_up_in_squares() -> None:
     found = noise_model(data, doubts, 0.5)
     assert found.weight == pytest.approx([0.0, *[1 / np.hypot(3.0, 10.0 * OPTIONS.spread_share)] * 4])
     assert found.error == pytest.approx(np.full(5, 1.0))
-
-
-def test_a_machine_that_is_simulated_less_surely_gains_nothing_by_it() -> None:
-    sure = NoiseModel(SimpleNamespace(), np.array([1.0, 0.5, 1.0, 0.0]), np.zeros(4))
-    unsure = NoiseModel(SimpleNamespace(), np.array([0.8, 2.0, 0.01, 0.0]), np.zeros(4))
-    assert unsure.no_wider_than(sure).weight == pytest.approx([0.8, 2.0, 0.5**0.5, 0.0])  # D of 1 may become 2
-    assert sure.no_wider_than(sure).weight == pytest.approx(sure.weight)
 
 
 def test_a_closure_is_that_of_the_data_and_its_interval_that_of_draws() -> None:
