@@ -106,9 +106,8 @@ def others(order: Order, rng: np.random.Generator, sites: Sequence[Site] = BOOM_
 
 def family(name: str) -> list[str]:
     """An effect's id, and those of effects that become it at some of their values, or it them."""
-    known = builtin()
-    special = known[name].special_cases if name in known else ()
-    return [name, *(other for other, kind in known.items() if name in kind.special_cases or other in special)]
+    library, special = builtin(), builtin()[name].special_cases
+    return [name, *(other for other, kind in library.items() if name in kind.special_cases or other in special)]
 
 
 def _deck(names: Sequence[str] | Mapping[str, object], rng: np.random.Generator) -> Iterator[str]:
