@@ -20,7 +20,7 @@ from math import factorial
 import numpy as np
 
 from boom_mj.diagnosis.candidate import apart
-from boom_mj.diagnosis.decision import converged, doubts
+from boom_mj.diagnosis.decision import converged
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.scoring import Scored
 from boom_mj.effects import Effect
@@ -160,8 +160,7 @@ def needed(best: Scored, scored: Sequence[Scored], as_built: Array, effect: Effe
     if model.criteria.gain_z:
         residuals = [best.fit.residual, as_built, *(one.fit.residual for one in others)]
         cells, windows = log_squares(model.data, np.array(residuals))
-        likely = [best.plausible, True, *(one.plausible for one in others)]
-        scores = resampled_means(windows, cells) + doubts(cells, likely, model.criteria.unlikely_gap)
+        scores = resampled_means(windows, cells) + np.array([best.doubt, 0.0, *(one.doubt for one in others)])
         return bool(np.quantile((scores[:, 1:].min(axis=1) - scores[:, 0])[1:], TAIL) > 0)
     squares = _mean_squares(model, [best.fit.residual, as_built, *(one.fit.residual for one in others)])
     rival = squares[:, 1:].min(axis=1)

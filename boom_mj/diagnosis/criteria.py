@@ -42,7 +42,7 @@ class Criteria:
         0.0, "standard errors", "by which one more cause must lower what is held out; 0: by its share"
     )
     unlikely_gap: float = number(
-        0.5, "share of gap", "that an unlikely size may leave, of what likely ones leave where they differ"
+        0.5, "share of gap", "that an unlikely size may leave, of what likely ones leave: doubt"
     )
     outside: float = number(0.2, "share", "of causes, before any data, that no library holds: a decree")
     further: float = number(

@@ -84,12 +84,11 @@ def choose(scored: Sequence[Scored], as_built: Gaps) -> Scored | None:
 def _within_error(scored: Sequence[Scored]) -> Scored:
     """The simplest explanation that is no worse than the best by more than its standard error, or leaves as little.
 
-    One of likely sizes goes before one of unlikely ones (`doubts`).
+    One of likely sizes goes before one of unlikely ones (`Scored.doubt`).
     """
     scored = converged(scored)
     criteria, data = scored[0].model.criteria, scored[0].model.data
-    cells, _ = log_squares(data, np.array([j.fit.residual for j in scored]))
-    logs = cells.mean(axis=1) + doubts(cells, [j.plausible for j in scored], criteria.unlikely_gap)
+    logs = log_squares(data, np.array([j.fit.residual for j in scored]))[0].mean(axis=1) + [j.doubt for j in scored]
     price = {id(j): log + criteria.parameter_cost * len(j.fit.scaled) for j, log in zip(scored, logs)}
 
     def near(best: Scored, z: float) -> list[Scored]:
@@ -100,23 +99,6 @@ def _within_error(scored: Sequence[Scored]) -> Scored:
     best = min(scored, key=lambda j: price[id(j)])
     alike = [j for j in near(best, criteria.gain_z) if j.plausible or not best.plausible]
     return min(alike, key=lambda j: (len(j.fit.effects), len(j.fit.scaled), price[id(j)]), default=best)
-
-
-def doubts(cells: Array, likely: Sequence[bool], unlikely_gap: float) -> Array:
-    """What unlikely sizes cost explanations, in the mean over cells, (k,).
-
-    Where such a one differs from the best that is likely, it must leave so much less of the gap. Of most channels of a
-    machine neither says anything: what k cells tell apart counts as k of all (participation ratio).
-
-    Args:
-        cells: logarithms of mean squares, (k, cells).
-    """
-    if not any(likely):
-        return np.zeros(len(cells))
-    means = np.where(likely, cells.mean(axis=1), np.inf)
-    change = np.abs(cells - cells[np.argmin(means)])
-    apart = change.mean(axis=1) ** 2 / np.maximum(np.square(change).mean(axis=1), 1e-12)
-    return np.where(likely, 0.0, -2 * np.log(unlikely_gap) * apart)
 
 
 def converged(scored: Sequence[Scored]) -> list[Scored]:

@@ -55,6 +55,11 @@ class Scored:
         return all(e.declared[name].plausible(value) for e in effects for name, value in e.values.items())
 
     @property
+    def doubt(self) -> float:
+        """What unlikely sizes cost, in logarithms of mean squares."""
+        return 0.0 if self.plausible else -2 * float(np.log(self.model.criteria.unlikely_gap))
+
+    @property
     def label(self) -> str:
         return self.fit.candidate.label
 

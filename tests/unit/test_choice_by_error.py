@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from boom_mj.diagnosis.criteria import MJCF
-from boom_mj.diagnosis.decision import choose, converged, doubts, held_out_loss
+from boom_mj.diagnosis.decision import choose, converged, held_out_loss
 from boom_mj.diagnosis.scoring import Scored, _hidden
 from boom_mj.effects import Parameter
 
@@ -63,20 +63,6 @@ def test_an_unlikely_size_must_leave_half_of_what_a_likely_one_leaves(better: fl
     likely, unlikely = leaving(4.0, 1, 5), leaving(better, 1, 6, plausible=False)
     found = choose([unlikely, likely], NOMINAL)
     assert found is {"likely": likely, "unlikely": unlikely}[chosen]
-
-
-def test_what_neither_of_two_explanations_touches_has_no_part_in_that() -> None:
-    """Half of a gap in one of six channels, whose others are at their floor."""
-    rows = np.zeros((6, 40))
-    untouched, halved, third = rows.copy(), rows.copy(), rows.copy()
-    untouched[0], halved[0], third[0] = 4.0, 4.0 - 2 * np.log(2), 4.0 - 2 * np.log(3)
-    cells = np.array([untouched.ravel(), halved.ravel(), third.ravel(), np.full(240, 9.0)])
-    found = doubts(cells, [True, False, False, False], 0.5)
-    assert found[0] == 0 and found[1:3] == pytest.approx(np.full(2, 2 * np.log(2) / 6))
-    price = cells.mean(axis=1) + found
-    assert price[1] == pytest.approx(price[0]) and price[2] < price[0] < price[3]
-    assert doubts(cells, [True] * 4, 0.5) == pytest.approx(np.zeros(4))
-    assert doubts(cells, [False] * 4, 0.5) == pytest.approx(np.zeros(4))  # nothing goes before them
 
 
 def test_the_worst_moments_do_not_outvote_all_others() -> None:

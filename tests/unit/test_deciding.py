@@ -134,6 +134,13 @@ def test_the_remainder_is_a_share_of_mean_squares(monkeypatch: pytest.MonkeyPatc
     assert answer._remainder(SimpleNamespace(**{**vars(found), "residual": 0.9}), False)["share"] == 0.0
 
 
+def test_unlikely_sizes_cost(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = scored(1.0, PAYLOAD, model=SimpleNamespace(criteria=replace(BOOM, unlikely_gap=0.5)))
+    assert found.doubt == 0.0
+    monkeypatch.setattr(Scored, "plausible", property(lambda found: False))
+    assert found.doubt == pytest.approx(2 * np.log(2))
+
+
 def test_every_kind_of_the_library_that_competes_has_its_sites() -> None:
     from boom_mj.machine import load_machine
 
