@@ -158,7 +158,7 @@ class Linearisation:
         kept, fidelity = self.rebased(effects, estimate), self.facts.fidelity
         nuisances = tuple(t.conditional_on(effects) for t in self.all_nuisances)
         whole, moving = (*effects, *kept.individual), [t for t in nuisances if not t.slow]
-        self.predictor.ahead([whole], *(check.level for check in fidelity.checks))
+        self.predictor.ahead([whole], *fidelity.others)
         coarse = [whole, *((*whole, *t.hypothesis) for t in moving)]
         base, *shifted = self.predictor.predict(coarse, fidelity.coarse)
         found = iter([(prediction - base) * t.deviation for prediction, t in zip(shifted, moving)])
@@ -182,7 +182,7 @@ def linearise(
     facts = predictor.system.facts
     nuisances = predictor.system.nuisances() if nuisances is None else nuisances
     fidelity, empty = facts.fidelity, np.zeros(len(predictor.data.time))
-    predictor.ahead([()], *(check.level for check in fidelity.checks), fidelity.middle)
+    predictor.ahead([()], *fidelity.others, fidelity.middle)
     coarse, *shifted = predictor.predict([(), *(t.hypothesis for t in nuisances)], fidelity.coarse)
     columns = [(s - coarse) * t.deviation for s, t in zip(shifted, nuisances)]
     posterior = LinearPosterior.of(NoiseModel(predictor.data, empty, empty), empty[:, None])
@@ -225,12 +225,16 @@ def of_size(nuisances: Sequence[Nuisance], estimate: Array) -> Hypothesis:
 def _weighed(about: Linearisation, columns: Sequence[Array], estimate: Array) -> Linearisation:
     """With base, model error and noise of its machine, from its columns, without NaN."""
     fidelity, predictor = about.facts.fidelity, about.predictor
-    levels = fidelity.middle, *(check.level for check in fidelity.checks)
-    base, *finer = (predictor.predict([(*about.effects, *about.individual)], at)[0] for at in levels)
-    changes = np.nan_to_num([found - base for found in finer])
-    missing = np.array([check.missing for check in fidelity.checks]) @ changes
-    doubts = np.array([check.doubtful for check in fidelity.checks])[:, None] * changes
-    noise = noise_model(about.data, doubts, fidelity.along)
+    levels = fidelity.middle, *fidelity.others
+    base, *others = (predictor.predict([(*about.effects, *about.individual)], at)[0] for at in levels)
+    changes = iter([found - base for found in others])
+    missing, doubts = np.zeros_like(base), []
+    for check in fidelity.checks:
+        own = np.array([next(changes) for _ in check.levels])
+        missing += np.nan_to_num(check.missing @ own)
+        doubts.append(np.nan_to_num(check.doubtful @ own))
+    starts = np.nan_to_num([*changes]).T if fidelity.starts else None
+    noise = noise_model(about.data, np.array(doubts), fidelity.along, starts)
     clean = np.empty((len(base), len(columns)), np.float32)
     for k, column in enumerate(columns):
         clean[:, k] = np.nan_to_num(column)

@@ -22,6 +22,7 @@ class Channel:
         count: samples of a block, (n,); 0 where all are hidden.
         measured: means of its blocks, (n,).
         noise: of a single sample.
+        rounding: of the means by the resolution of what was recorded, which samples alike do not average away, (n,).
     """
 
     recording: int
@@ -33,6 +34,12 @@ class Channel:
     count: Array
     measured: Array
     noise: float
+    rounding: Array
+
+    @property
+    def deviation(self) -> Array:
+        """Standard deviation of the means, (n,)."""
+        return np.hypot(self.noise / np.sqrt(np.maximum(self.count, 1)), self.rounding)
 
 
 @dataclass(frozen=True, eq=False)

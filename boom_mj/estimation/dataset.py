@@ -1,7 +1,8 @@
 """Recordings as one long vector: all channels averaged over blocks, split into what trains and what is held out.
 
-The noise of a block mean falls with the root of its samples, and what no model knows - the first milliseconds after a
-rope is cut - weighs less. Entries lie recording by recording, channel by channel.
+The noise of a block mean falls with the root of its samples, its rounding with that of the values that they have, and
+what no model knows - the first milliseconds after a rope is cut - weighs less. Entries lie recording by recording,
+channel by channel.
 """
 
 import warnings
@@ -12,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from boom_mj.errors import LogError, LogWarning
-from boom_mj.estimation.blocks import block_means, block_numbers, own_noise
+from boom_mj.estimation.blocks import block_means, block_numbers, own_noise, rounding_noise
 from boom_mj.estimation.channels import Channel, Table
 from boom_mj.recording import Recording, Signal, sample, window
 
@@ -148,8 +149,7 @@ class Dataset:
     @cached_property
     def noise(self) -> Array:
         """Standard deviation of every block mean, (N,)."""
-        count = np.concatenate([channel.count for channel in self.channels])
-        return self.spread([channel.noise for channel in self.channels]) / np.sqrt(np.maximum(count, 1))
+        return np.concatenate([channel.deviation for channel in self.channels])
 
     @cached_property
     def used(self) -> Array:
@@ -203,7 +203,7 @@ class Dataset:
         rows = int(np.floor(duration / self.block_s + 1e-6)) + 1
         noise = np.tile([channel.noise for channel in channels], (rows, 1))
         for column, channel in enumerate(channels):
-            noise[channel.blocks, column] /= np.sqrt(np.maximum(channel.count, 1))
+            noise[channel.blocks, column] = channel.deviation
         time = (np.arange(rows) + 0.5) * self.block_s
         empty = Table(self.recordings[index], channels, self.spans[index][0], time, np.zeros((rows, 0)), noise)
         return empty.saying(np.concatenate([channel.measured for channel in channels]))
@@ -264,7 +264,9 @@ def make_dataset(
             for column in range(values.shape[1]):
                 time, count, mean = block_means(elapsed, values[:, column], block_s)
                 level = max(float(least[column]), own_noise(values[:, column]) / SCATTER)
-                channels.append(Channel(index, name, column, group(name, column), blocks, time, count, mean, level))
+                rounding = rounding_noise(elapsed, values[:, column], block_s)
+                kind = group(name, column)
+                channels.append(Channel(index, name, column, kind, blocks, time, count, mean, level, rounding))
     return Dataset(cut, training, tuple(spans), tuple(channels), block_s, correlation_s, first)
 
 

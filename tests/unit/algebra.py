@@ -190,7 +190,7 @@ class Algebra:
             block_s=BLOCK_S,
             correlation_s=CORRELATION_S,
             bands_hz=(("static", 0.2), ("above", np.inf)),
-            fidelity=FidelityLadder(ROUGH, ROUGH, MIDDLE, (Refinement(FINE, 2.0, 1.0),), FINE),
+            fidelity=FidelityLadder(ROUGH, ROUGH, MIDDLE, (Refinement((FINE,), (2.0,), (1.0,)),), FINE),
             noise={name: np.array([SAID]) for name in self.sensors},
             still=0.01,
             max_causes=2,

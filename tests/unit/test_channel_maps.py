@@ -13,6 +13,7 @@ from boom_mj.logs.columns import read_columns
 from boom_mj.systems.mjcf import load_mjcf
 from boom_mj.systems.mjcf.channel_map import parse_channel_map
 from boom_mj.systems.mjcf.model_file import load_model
+from boom_mj.systems.mjcf.segments import UNSURE
 
 MODEL = """<mujoco><worldbody><body><joint name="swing"/><geom size="0.1" mass="1" pos="0 0 -1"/></body></worldbody>
 <actuator><motor name="motor" joint="swing"/></actuator></mujoco>"""
@@ -44,7 +45,6 @@ WARM = '{{name = "{}", role = "temperature", joint = "swing", field = "q"}}'
         ('time = "t"', 'time = "t"\nspeed = 3', "unknown key; known are name, time"),
         ('time = "t"', "", "time is missing"),
         ('role = "compare"', 'role = "control"', "nothing to judge by"),
-        ('time = "t"', 'time = "t"\nsettle = 20.0', "leaves nothing of window"),
         ('time = "t"', "time = ", "not a TOML file"),
     ],
 )
@@ -82,6 +82,36 @@ def test_a_log_is_split_in_stretches(tmp_path: Path) -> None:
     assert names[0].startswith("log.csv 0.2-10.2 s")
     _, apart = load_mjcf([tmp_path / "log.csv"], [tmp_path / "log.csv"], path)
     assert (apart.training, len(apart.recordings)) == (2, 4)
+
+
+def test_a_stretch_is_simulated_from_before_it(tmp_path: Path) -> None:
+    """Nothing is lost for it but the log's own beginning."""
+    path = files(tmp_path, GOOD.replace('time = "t"', 'time = "t"\nwindow = 4.0\nsettle = 3.0'))
+    _, data = load_mjcf([tmp_path / "log.csv"], [], path)
+    for number, log in enumerate(data.recordings):
+        begin = 0.2 + 3.0 + 4.0 * number
+        assert log["u"].time[0] == pytest.approx(begin, abs=0.011) and log["u"].time[-1] < begin + 4.0
+        assert log["start"].time[0] == pytest.approx(begin - 3.0 - 0.2) and log["q"].time[0] < begin - 3.0
+    assert number == 3
+    path = files(tmp_path, GOOD.replace('time = "t"', 'time = "t"\nsettle = 15.0'))
+    with pytest.raises(LogError, match=r"too short for a window of 10.0 s that begins 15.0 s late"):
+        load_mjcf([tmp_path / "log.csv"], [], path)
+
+
+def test_of_measured_motion_the_noise_is_known(tmp_path: Path) -> None:
+    """White noise through the filter, as theory has it: of a position, and of its rate."""
+    text = GOOD.replace(
+        '"drive", joint = "swing", field = "q"', '"compare", joint = "swing", field = "q", noise = 0.01'
+    )
+    path = files(tmp_path, text.replace('"compare", actuator', '"control", actuator'))
+    system, data = load_mjcf([tmp_path / "log.csv"], [], path)
+    deviation, rate = data.recordings[0][UNSURE + "swing"].values[0]
+    share = system.channels.cutoff / (0.5 / 0.01)  # of white noise below the cutoff
+    assert deviation == pytest.approx(0.01 * np.sqrt(share), rel=0.1)
+    assert rate == pytest.approx(deviation * 2 * np.pi * system.channels.cutoff / np.sqrt(3), rel=0.15)
+    ladder, log = system.facts.fidelity, data.recordings[0]
+    here, moved = (system.simulate((), level, log)["q"].values for level in (ladder.middle, ladder.starts[0]))
+    assert moved[0] - here[0] == pytest.approx(deviation) and len(ladder.starts) == 2
 
 
 def test_columns_of_tables_and_matlab_files(tmp_path: Path) -> None:

@@ -72,7 +72,8 @@ def test_a_table_has_all_channels_of_a_recording_on_one_grid() -> None:
         seen = table.mean[:, column]
         assert np.array_equal(np.flatnonzero(np.isfinite(seen)), channel.blocks[np.isfinite(channel.measured)])
         assert np.array_equal(seen[channel.blocks], channel.measured, equal_nan=True)
-        assert table.noise[channel.blocks, column] == pytest.approx(channel.noise / np.sqrt(channel.count))
+        deviation = np.hypot(channel.noise / np.sqrt(channel.count), channel.rounding)
+        assert table.noise[channel.blocks, column] == pytest.approx(deviation)
     turned = table.saying(-np.concatenate([channel.measured for channel in own]))
     assert np.array_equal(turned.mean, -table.mean, equal_nan=True)
 

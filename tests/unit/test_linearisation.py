@@ -26,6 +26,19 @@ def test_an_error_all_along_a_channel_counts_no_more_than_its_share(model: Linea
         assert np.linalg.norm(white[model.data.stretch(number)]) < 1 / model.facts.fidelity.along
 
 
+def test_what_unsure_starts_change_is_whitened_in_each_recording(model: Linearisation) -> None:
+    data, rng = model.data, np.random.default_rng(2)
+    starts = 3 * data.noise[:, None] * rng.standard_normal((len(data.noise), 2))
+    noise = NoiseModel(data, np.where(data.used, 1 / data.noise, 0.0), 0 * data.noise, starts)
+    x, y = np.where(data.used, rng.standard_normal((2, len(data.noise))), 0.0)
+    for index in range(len(data.recordings)):
+        rows = data.rows(index)
+        covariance = np.diag(data.noise[rows] ** 2) + starts[rows] @ starts[rows].T
+        ours = noise.white(x)[rows] @ noise.white(y)[rows]
+        assert ours == pytest.approx(x[rows] @ np.linalg.solve(covariance, y[rows]), rel=1e-6)
+        assert noise.whitened(rows, x[rows, None])[:, 0] == pytest.approx(noise.white(x)[rows])
+
+
 def test_an_effect_stands_for_its_nuisance(model: Linearisation) -> None:
     heavier = (make_effect("link_mass", {"link": 4, "factor": 1.2}),)
     left = model.conditional_on(heavier)

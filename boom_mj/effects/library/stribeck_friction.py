@@ -1,18 +1,20 @@
 """The extra friction of a joint near standstill, F exp(-(v/vs)^2) sign v, that a fast enough motion washes away."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
+import mujoco
 import numpy as np
 
-from boom_mj.effects import Array, Parameter, ResistEffect, Site, Values
+from boom_mj.effects import Array, ModelEffect, Parameter, ResistEffect, Site, Values
+from boom_mj.effects.spec_edits import add_friction
 
-SHARP = 0.02  # of the Stribeck speed, within which the sign changes
 
-
-class StribeckFriction(ResistEffect):
+class StribeckFriction(ModelEffect, ResistEffect):
     """The extra friction of a joint near standstill, F exp(-(v/vs)^2) sign v, that a fast enough motion washes away.
 
-    It comes on top of Coulomb friction. The speed is the measured one, also where commands drive the joint.
+    It comes on top of Coulomb friction. The model has all of it as dry friction, so that the joint sticks; what is
+    washed away follows the measured speed, also where commands drive the joint.
     """
 
     id = "stribeck_friction"
@@ -27,9 +29,11 @@ class StribeckFriction(ResistEffect):
             "speed": Parameter(f"{site.unit}/s", 0.1 * fast, 1e-3 * fast, fast, fast),
         }
 
+    def edit(self, spec: mujoco.MjSpec, machine: Any) -> None:
+        add_friction(spec, str(self.location["joint"]), self.values["excess"])
+
     def resist(self, speed: Array, load: Array) -> Array:
-        share = speed / self.values["speed"]
-        return self.values["excess"] * np.exp(-(share**2)) * np.tanh(share / SHARP)
+        return self.values["excess"] * np.expm1(-((speed / self.values["speed"]) ** 2)) * np.sign(speed)
 
     @classmethod
     def screening(cls, site: Site, lines_hz: Sequence[float] = ()) -> list[list[dict[str, float]]]:

@@ -52,7 +52,7 @@ FIDELITY = FidelityLadder(
     ROUGH,
     COARSE,
     MIDDLE,
-    (Refinement(FINE, 1.0, 1.0), Refinement(SHARP, 2.0, 1.0)),
+    (Refinement((FINE,), (1.0,), (1.0,)), Refinement((SHARP,), (2.0,), (1.0,))),
     SHOWN,
     along=0.5,
     simplest=Level(1.0, 1),

@@ -143,7 +143,7 @@ class ChannelMap(BaseModel):
         model: MJCF file, relative to the map; the command line may name another.
         block: over which channels are averaged, s; a period of the cutoff if left out.
         window: length of the stretches that are simulated afresh, s.
-        settle: beginning of a stretch that is simulated but not compared, s.
+        settle: how long before a stretch its simulation begins, s: of the log's beginning nothing is compared so long.
         cutoff: of the zero-phase filter that makes driving motion smooth, Hz.
         release: what tells that something was let go; what comes before is left out.
         stop: what comes later is left out, s.
@@ -185,8 +185,6 @@ class ChannelMap(BaseModel):
             raise ValueError(f"several channels are the temperature of {', '.join(twice)}")
         if not self.role("compare"):
             raise ValueError('no channel has role = "compare": there is nothing to judge by')
-        if self.settle >= self.window:
-            raise ValueError(f"settle = {self.settle} s leaves nothing of window = {self.window} s")
         return self
 
     def of_log(self, path: Path | str) -> "LogEntry":
@@ -218,6 +216,12 @@ class ChannelMap(BaseModel):
     def driven(self) -> tuple[str, ...]:
         """Joints that follow their measured motion."""
         return tuple(entry.joint for entry in self.role("drive"))
+
+    @property
+    def started(self) -> tuple[str, ...]:
+        """Joints that a stretch begins with as they were measured."""
+        compared = {entry.joint for entry in self.role("compare") if entry.joint and entry.what == "position"}
+        return tuple(sorted(compared - set(self.driven)))
 
 
 def load_channel_map(path: Path) -> ChannelMap:

@@ -28,8 +28,8 @@ def load_mjcf(
         raise InputError(f"{map_file} names no model; say which with --model")
     path = model_file or inside(map_file.parent, channels.model, InputError, map_file)
     spec = load_model(path)
-    if channels.window > MOST_STEPS * spec.option.timestep:
-        step, window = spec.option.timestep, channels.window
+    window, step = channels.settle + channels.window, spec.option.timestep
+    if window > MOST_STEPS * step:
         raise InputError(f"{map_file}: a window of {window} s is too long for steps of {step} s, those of {path}")
     train, judged = [], []
     for log in logs:

@@ -8,12 +8,15 @@ import numpy as np
 
 from boom_mj.effects import Effect, ForceEffect, InputEffect
 from boom_mj.recording import Recording
+from boom_mj.systems.fidelity import Level
 from boom_mj.systems.mjcf.channel_map import ChannelEntry, ChannelMap
 from boom_mj.systems.mjcf.pushing import Push, exertion
 from boom_mj.systems.mjcf.rollout import Inputs, Run, joint_of
+from boom_mj.systems.mjcf.segments import SHAKEN, UNSURE
 
 Array = np.ndarray
 Hypothesis = tuple[Effect, ...]
+MEASURED = Level(1.0)
 MOTIONS = "measured", "nominal", "simulated"  # that an effect may see
 
 
@@ -25,15 +28,17 @@ def inputs_of(
     begin: float,
     time: Array,
     nominal: Callable[[], Run],
+    level: Level = MEASURED,
 ) -> Inputs:
     """What drives a stretch that begins at a log's time, at the steps of the simulation, under effects.
 
     Args:
         nominal: the stretch without effects.
+        level: what measured motion and the state at the start are like; its step is that of `time`.
     """
-    path, command, force, reaction = {}, {}, {}, {}
+    path, command, force, reaction, prefix = {}, {}, {}, {}, SHAKEN * level.shaken
     for entry in channels.role("drive"):
-        values = log[entry.name].values[:, 0]
+        values = log[prefix + entry.name].values[:, 0]
         clock = log[entry.name].time - begin
         for effect in _at(hypothesis, "channel", entry.name):
             values = effect.invert(clock, values)
@@ -50,7 +55,7 @@ def inputs_of(
         by = {sees: replace(push, effects=[e for e in push.effects if e.sees == sees]) for sees in MOTIONS}
         force[joint] = np.zeros(len(time))
         if by["measured"].effects:
-            motion = log[f"motion/{joint}"]
+            motion = log[f"{prefix}motion/{joint}"]
             position = _spline(motion.time - begin, motion.values[:, 0], time)
             force[joint] += by["measured"](time, position, np.gradient(position, time))
         if by["nominal"].effects:
@@ -58,12 +63,11 @@ def inputs_of(
             force[joint] += by["nominal"](time, run.position[joint], run.velocity[joint])
         if by["simulated"].effects:
             reaction[joint] = by["simulated"]
-    start = {
-        name.removeprefix("start/"): (float(signal.values[0, 0]), float(signal.values[0, 1]))
-        for name, signal in log.signals.items()
-        if name.startswith("start/")
-    }
-    start = {joint: state for joint, state in start.items() if joint not in path}
+    start = {joint: log[f"start/{joint}"].values[0] for joint in channels.started if f"start/{joint}" in log}
+    if level.start:
+        number, which = divmod(level.start - 1, 2)
+        joint = channels.started[number]
+        start[joint] = start[joint] + log[UNSURE + joint].values[0] * np.eye(2)[which]
     return Inputs(time, path, command, force, start, reaction)
 
 

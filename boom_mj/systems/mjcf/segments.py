@@ -18,16 +18,19 @@ ORDER = 4  # of the Butterworth filter, run both ways
 EDGE = 2.0  # periods of the cutoff
 MOST_STRETCHES = 10_000
 SHORTEST = 0.5  # of a window, below which a rest is left out
+SHAKEN = "shaken/"  # measured motion with its noise once more, before the name of its signal
+UNSURE = "unsure/"  # standard deviation of a measured state, before its joint
 
 
 def stretches_of(path: Path, channels: ChannelMap) -> list[Recording]:
     """A log in stretches of `channels.window` seconds.
 
-    Every stretch holds its channels by name, driving motion smooth, and the measured state of other joints at its start
-    as "start/JOINT": one sample of position and speed; its description is the log's path. Compared channels begin
-    `channels.settle` later. Where motion drives, a smooth motion cannot make the model's forces sharp: compared
-    channels are smoothed, too, by a lower cutoff that `MjcfSystem` applies to the model, and what drives reaches some
-    periods beyond what is compared.
+    Every stretch holds its channels by name, driving motion smooth, of other joints the measured motion "motion/JOINT"
+    and the state at its start, "start/JOINT": one sample of position and speed; motion with noise added once more under
+    `SHAKEN`, deviations of states under `UNSURE`. Its description is the log's path. A stretch is simulated from
+    `channels.settle` before it: what no sensor tells of its beginning is forgotten until then. Where motion drives, a
+    smooth motion cannot make the model's forces sharp: compared channels are smoothed, too, by a lower cutoff that
+    `MjcfSystem` applies to the model, and what drives reaches some periods beyond what is compared.
 
     Raises:
         LogError: fields that are not there, times that do not increase, holes in what drives, a log that is too short.
@@ -35,17 +38,20 @@ def stretches_of(path: Path, channels: ChannelMap) -> list[Recording]:
     table = _table(path, channels)
     time = _checked_time(path, table[channels.time] * channels.time_scale)
     values = {entry.name: _value(entry, table) for entry in channels.channel}
-    margin = EDGE / channels.cutoff if channels.driven else 0.0
+    edge = EDGE / channels.cutoff
+    margin = edge if channels.driven else 0.0
     for entry in channels.channel:
         if len(values[entry.name]) != len(time):
             raise LogError(f"{path}: {entry.name} has {len(values[entry.name])} samples, its time {len(time)}")
         if entry.role != "compare" and not np.isfinite(values[entry.name]).all():
             raise LogError(f"{path}: {entry.name} has no value at {time[np.argmin(np.isfinite(values[entry.name]))]} s")
-    smooth = {
-        entry.name: smoothed(time, values[entry.name], channels.cutoff)
-        for entry in channels.channel
-        if entry.joint and np.isfinite(values[entry.name]).all()
-    }
+    moving = [e for e in channels.channel if e.joint and np.isfinite(values[e.name]).all()]
+    noise = np.random.default_rng(0).normal(size=(len(moving), len(time)))
+    shaken = {e.name: values[e.name] + white * _noise(e, values[e.name]) for e, white in zip(moving, noise)}
+    smooth = {entry.name: smoothed(time, values[entry.name], channels.cutoff) for entry in moving}
+    shaken = {name: smoothed(time, own, channels.cutoff) for name, own in shaken.items()}
+    states, others = ({k: np.stack([v, np.gradient(v, time)], axis=1) for k, v in s.items()} for s in (smooth, shaken))
+    unsure = {name: np.std(others[name] - own, axis=0) for name, own in states.items()}
     for entry in channels.role("drive"):
         values[entry.name] = smooth[entry.name]
     if channels.driven:
@@ -54,7 +60,7 @@ def stretches_of(path: Path, channels: ChannelMap) -> list[Recording]:
     known = channels.of_log(path)
     stop = channels.stop if known.stop is None else known.stop
     end = min(time[-1] - margin, stop if stop is not None else np.inf)
-    first = max(time[0] + margin, channels.start if known.start is None else known.start)
+    first = max(time[0] + edge, channels.start if known.start is None else known.start)
     if channels.release is not None:
         first = max(first, released(time, table[channels.release.field], channels.release.moves))
     for entry in channels.channel:
@@ -62,26 +68,31 @@ def stretches_of(path: Path, channels: ChannelMap) -> list[Recording]:
             values[entry.name] = values[entry.name] - np.nanmean(values[entry.name][time <= first])
     if end - first > MOST_STRETCHES * channels.window:
         raise LogError(f"{path} lasts {end - first:.4g} s: too long for a window of {channels.window} s")
-    begins = np.arange(first, end - SHORTEST * channels.window, channels.window)
+    begins = np.arange(first + channels.settle, end - SHORTEST * channels.window, channels.window)
     if not begins.size:
-        raise LogError(f"{path} lasts {time[-1] - time[0]:.2f} s: too short for a window of {channels.window} s")
+        after = f" that begins {channels.settle} s late" * bool(channels.settle)
+        raise LogError(f"{path} lasts {time[-1] - time[0]:.2f} s: too short for a window of {channels.window} s{after}")
     found = []
     for begin in begins:
         until = min(begin + channels.window, end)
-        inside = (time >= begin - margin - 1e-9) & (time < until + margin - 1e-9)
-        late = (time >= begin + channels.settle - 1e-9) & (time < until - 1e-9)
-        signals = {"start": Signal(np.array([begin - margin]), np.zeros((1, 1)), ("start",), "1", "")}
+        early = begin - channels.settle - margin
+        inside = (time >= early - 1e-9) & (time < until + margin - 1e-9)
+        late = (time >= begin - 1e-9) & (time < until - 1e-9)
+        signals = {"start": Signal(np.array([early]), np.zeros((1, 1)), ("start",), "1", "")}
         for entry in channels.channel:
             rows = late if entry.role == "compare" else inside
             signals[entry.name] = Signal(
                 time[rows], values[entry.name][rows, None], (entry.name,), entry.unit or "1", entry.place
             )
-        for entry in channels.role("compare"):
-            if entry.joint and entry.what == "position" and entry.name in smooth:
-                signals[f"start/{entry.joint}"] = _state(time, smooth[entry.name], int(np.argmax(inside)), entry)
-                signals[f"motion/{entry.joint}"] = Signal(
-                    time[inside], smooth[entry.name][inside, None], (entry.joint,), entry.unit or "1", entry.place
-                )
+        at = int(np.argmax(inside))
+        for entry in moving:
+            here, again = (_moved(time[inside], own[entry.name][inside], entry) for own in (smooth, shaken))
+            if entry.role == "drive":
+                signals[SHAKEN + entry.name] = again
+            elif entry.role == "compare" and entry.what == "position":
+                signals |= {f"motion/{entry.joint}": here, f"{SHAKEN}motion/{entry.joint}": again}
+                told = (_state(time[at], own, entry) for own in (states[entry.name][at], unsure[entry.name]))
+                signals |= dict(zip((f"start/{entry.joint}", UNSURE + entry.joint), told))
         name = f"{path.name} {begin:g}-{until:g} s"
         found.append(Recording(name, channels.name, str(path), signals))
     return found
@@ -98,7 +109,7 @@ def noise_of(path: Path, channels: ChannelMap) -> dict[str, float]:
     count = max(1, round(channels.block_s * (len(time) - 1) / (time[-1] - time[0])))
     for entry in channels.role("compare"):
         values = _value(entry, table)
-        found[entry.name] = max(entry.noise, own_noise(values))
+        found[entry.name] = _noise(entry, values)
         if channels.repeat is not None:
             lag = round(channels.repeat / channels.block_s)
             means = values[: len(values) // count * count].reshape(-1, count).mean(axis=1)
@@ -153,10 +164,17 @@ def _value(entry: ChannelEntry, table: dict[str, Array]) -> Array:
     return entry.scale * np.asarray(logged) + entry.offset
 
 
-def _state(time: Array, values: Array, at: int, entry: ChannelEntry) -> Signal:
-    speed = np.gradient(values, time)[at]
-    state = np.array([[values[at], speed]])
-    return Signal(time[at : at + 1], state, ("position", "velocity"), entry.unit or "1", entry.place)
+def _noise(entry: ChannelEntry, values: Array) -> float:
+    """Of a sample, as declared or as its differences show."""
+    return max(entry.noise, own_noise(values))
+
+
+def _moved(time: Array, values: Array, entry: ChannelEntry) -> Signal:
+    return Signal(time, values[:, None], (entry.joint,), entry.unit or "1", entry.place)
+
+
+def _state(time: float, values: Array, entry: ChannelEntry) -> Signal:
+    return Signal(np.array([time]), values[None], ("position", "velocity"), entry.unit or "1", entry.place)
 
 
 def _checked_time(path: Path, time: Array) -> Array:

@@ -29,8 +29,9 @@ from boom_mj.systems.system import (
 )
 
 Array = np.ndarray
-BASE, FINE = Level(1.0), Level(0.5)
-FIDELITY = FidelityLadder(BASE, BASE, BASE, (Refinement(FINE, 2.0, 2.0),), BASE)  # of first order in the step
+BASE, FINE, FINEST = Level(1.0), Level(0.5), Level(0.25)
+RICHARDSON = Refinement((FINE, FINEST), missing=(-1.0, 2.0), doubtful=(-3.0, 2.0))  # of first order in the step
+NOISE = Refinement((Level(1.0, shaken=True),), missing=(0.0,), doubtful=(np.sqrt(2.0),))  # twice half of one of two
 BANDS_HZ = (("static", 0.2), ("slow", 1.0), ("middle", 5.0), ("above", np.inf))
 STILL, NEVER = 0.02, 1e-9  # of a joint's fastest speed in a stretch; speed of what never moves
 KEPT = 24  # compiled models
@@ -59,7 +60,7 @@ class MjcfSystem:
             block_s=channels.block_s,
             correlation_s=channels.independent,
             bands_hz=BANDS_HZ,
-            fidelity=FIDELITY,
+            fidelity=_ladder(channels),
             noise={name: np.array([level]) for name, level in noise.items()},
             still=NEVER,
             max_causes=channels.causes,
@@ -173,7 +174,7 @@ class MjcfSystem:
                 self._nominal[key] = self.run((), level, log)
             return self._nominal[key]
 
-        return inputs_of(spec, self.channels, hypothesis, log, line.start_s, time, nominal)
+        return inputs_of(spec, self.channels, hypothesis, log, line.start_s, time, nominal, level)
 
     def _together(self, hypothesis: Hypothesis, level: Level, log: Recording) -> Run | SimulationError:
         """Steps that wait for forces are taken at once in all stretches that train, or in all others."""
@@ -217,7 +218,7 @@ class MjcfSystem:
         settings = self.channels.of_log(log).set
         editing = tuple(e for e in hypothesis if isinstance(e, ModelEffect))
         hands = pushed(hypothesis, self.channels)
-        key = (frozenset(editing), hands, level, tuple(settings.items()))
+        key = (frozenset(editing), hands, level.step, tuple(settings.items()))
         with self._compiling:
             if key not in self._models:
                 while len(self._models) >= KEPT:
@@ -234,3 +235,9 @@ class MjcfSystem:
                 except ValueError as error:
                     raise EffectError(f"{', '.join(map(str, editing))} makes no model: {error}") from error
             return self._models[key]
+
+
+def _ladder(channels: ChannelMap) -> FidelityLadder:
+    """Of steps, of what measured motion is like, and of measured states at the start."""
+    starts = tuple(Level(1.0, start=1 + k) for k in range(2 * len(channels.started)))
+    return FidelityLadder(BASE, BASE, BASE, (RICHARDSON, NOISE), BASE, starts=starts)
