@@ -152,13 +152,14 @@ def draw_all(
 def draw_clutter(
     count: int, order: Order, effects: Sequence[Effect], rng: np.random.Generator, sites: Sequence[Site]
 ) -> list[Effect]:
-    """Small effects of other kinds than those of a case, each at a place where none of these is."""
+    """Small effects of other kinds than a case has, each at a place of its own: two frictions of a joint are one."""
     taken, found = {effect.site.key for effect in effects}, list[Effect]()
     names = [name for name in known_effects(sites) if name not in (*order.ids, order.without)]
     for name in rng.permutation(names) if count else ():
         places = [site for site in builtin()[str(name)].allowed(sites) if site.key not in taken]
         if len(found) < count and places:
             site = places[rng.integers(len(places))]
+            taken.add(site.key)
             found.append(_sized(builtin()[str(name)], site, rng, lambda: float(rng.uniform(*CLUTTER)))[0])
     return found
 

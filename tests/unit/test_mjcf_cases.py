@@ -213,13 +213,14 @@ def test_clutter_is_small_of_other_kinds_and_elsewhere() -> None:
     order = Order("single", ("coulomb_friction",), "payload")
     found = draw_clutter(4, order, [true], np.random.default_rng(0), bench.sites)
     assert len({one.id for one in found}) == 4 and not {"coulomb_friction", "payload"} & {one.id for one in found}
-    assert all(one.site.key != true.site.key for one in found)
+    assert len({one.site.key for one in (true, *found)}) == 5  # what acts at one place is told as one
     for one in found:
         scaled = [p.coordinate(one.values[name]) for name, p in one.declared.items() if name in one.free(one.site)]
         assert np.abs(scaled).max() <= CLUTTER[1] + 1e-9
     assert draw_clutter(0, order, [true], np.random.default_rng(0), bench.sites) == []
     crowded = draw_clutter(99, order, [true], np.random.default_rng(0), bench.sites)
-    assert {one.id for one in crowded} == {*known_effects(bench.sites)} - {"coulomb_friction", "payload"}
+    assert {one.id for one in crowded} < {*known_effects(bench.sites)} - {"coulomb_friction", "payload"}
+    assert len(crowded) == len({one.site.key for one in crowded}) < 99
 
 
 @pytest.mark.slow

@@ -6,7 +6,7 @@ from threading import Lock
 import mujoco
 import numpy as np
 
-from boom_mj.effects import ModelEffect, OutputEffect, Site, is_output, make_effect
+from boom_mj.effects import Effect, ForceEffect, ModelEffect, OutputEffect, Site, is_output, make_effect
 from boom_mj.errors import EffectError, SimulationError
 from boom_mj.recording import Recording, Signal
 from boom_mj.systems.fidelity import FidelityLadder, Level, Refinement
@@ -67,7 +67,7 @@ class MjcfSystem:
             wording=Wording(
                 phases=("hold", "move", "reversal"),
                 first_part=f"two of every three stretches of {channels.independent:g} s",
-                finer="half the step",
+                finer="finer steps",
                 zero_offset="sensor_offset",
             ),
             split=self._first,
@@ -141,7 +141,7 @@ class MjcfSystem:
             for effect in effects:
                 if isinstance(effect, ModelEffect):
                     effect.edit(spec, None)
-                missing = "" if isinstance(effect, ModelEffect) else ", not in the model"
+                missing = _missing(effect)
                 said = [f"; {name}: {reasons[effect, name]}" for name in effect.values if (effect, name) in reasons]
                 whole = reasons.get((effect, "id"), kind)
                 why.append(f"<!-- {whole}{missing}: {effect}{''.join(said)} -->\n")
@@ -241,3 +241,9 @@ def _ladder(channels: ChannelMap) -> FidelityLadder:
     """Of steps, of what measured motion is like, and of measured states at the start."""
     starts = tuple(Level(1.0, start=1 + k) for k in range(2 * len(channels.started)))
     return FidelityLadder(BASE, BASE, BASE, (RICHARDSON, NOISE), BASE, starts=starts)
+
+
+def _missing(effect: Effect) -> str:
+    """What of an effect a model's text does not hold."""
+    whole, part = isinstance(effect, ModelEffect), isinstance(effect, ForceEffect)
+    return (", in part not in the model" if part else "") if whole else ", not in the model"
