@@ -22,7 +22,8 @@ PENDULUM = """
   <option timestep="0.002" integrator="implicitfast"/>
   <worldbody>
     <body name="arm" pos="0 0 1">
-      <joint name="swing" axis="0 1 0" damping="{damping}" frictionloss="{friction}"/>
+      <joint name="swing" axis="0 1 0" damping="{damping}" frictionloss="{friction}"
+             solreffriction="0.001 1" solimpfriction="0.99 0.999 0.001"/>
       <geom type="capsule" fromto="0 0 0 0 0 -0.5" size="0.02" mass="1.0"/>
       <site name="tip" pos="0 0 -0.5"/>
       {load}
@@ -56,7 +57,7 @@ actuator = "motor"
 field = "torque"
 unit = "N m"
 """
-RATE, DURATION, FINER = 500, 20.0, 4
+RATE, DURATION, FINER = 500, 20.0, 16
 
 
 def motion(time: np.ndarray) -> np.ndarray:

@@ -92,7 +92,7 @@ def test_cogging_comes_back_as_a_ripple(tmp_path: Path, capsys: pytest.CaptureFi
     assert np.hypot(size["sine"], size["cosine"]) == pytest.approx(AMPLITUDE, rel=0.05)
     assert found["gap"]["closure"] > 0.95
     assert max(map(len, law.read_text().splitlines())) <= 120
-    assert "sin(2 * pi * (position - " in (tmp_path / "page.html").read_text()
+    assert re.search(r"sin\(2 \* pi \* \(position [-+] ", (tmp_path / "page.html").read_text())
     again = json.loads(run(["gap", "diagnose", *words[2:], "--effects", str(law), "--json", "-"], capsys))
     GapDiagnose.model_validate(again)
     assert [effect["id"] for effect in again["effects"]] == ["cogging"], again["sentence"]

@@ -103,5 +103,5 @@ def test_jumps_of_a_turn_are_undone(tmp_path: Path) -> None:
     time, path = np.arange(0, 6, 0.01), tmp_path / "b.csv"
     rows = np.stack([time, time, (0.7 * time) % 1.5], axis=1)
     np.savetxt(path, rows, delimiter=",", header="t,u,x", comments="")
-    found = np.concatenate([part["cart"].values[:, 0] for part in stretches_of(path, channels)])
-    assert found == pytest.approx(1.4 * time[: len(found)])
+    for part in stretches_of(path, channels):
+        assert part["cart"].values[:, 0] == pytest.approx(1.4 * part["cart"].time)
