@@ -3,7 +3,8 @@
 Residuals are whitened by V = D + e e^T in every channel, D = noise^2 + spread^2, and by 1 + H H^T in every recording, H
 what unsure measured states at its start change in it. What other levels of a simulation say, of its hinges, its steps,
 the noise of measured motion, has a size, their doubts; the spread is a share of these, added in squares, within half a
-second, and e, a share of their sum as it is, may be wrong all along a channel. What latent inputs explain counts not.
+second, and e, a share of their sum as it is, may be wrong all along a channel. What latent inputs explain does not
+count.
 """
 
 from dataclasses import dataclass, replace

@@ -114,6 +114,18 @@ def test_of_measured_motion_the_noise_is_known(tmp_path: Path) -> None:
     assert moved[0] - here[0] == pytest.approx(deviation) and len(ladder.starts) == 2
 
 
+def test_a_joint_whose_log_has_a_hole_begins_as_the_model_rests(tmp_path: Path) -> None:
+    text = GOOD.replace('"compare", actuator', '"control", actuator').replace('"drive"', '"compare"')
+    path = files(tmp_path, text)
+    rows = (tmp_path / "log.csv").read_text().splitlines()
+    rows[7] = rows[7].split(",")[0] + ",nan," + rows[7].split(",")[2]
+    (tmp_path / "log.csv").write_text("\n".join(rows))
+    system, data = load_mjcf([tmp_path / "log.csv"], [], path)
+    log, ladder = data.recordings[0], system.facts.fidelity
+    here, moved = (system.simulate((), level, log)["q"].values for level in (ladder.middle, ladder.starts[0]))
+    assert here[0] == 0 and np.array_equal(here, moved)
+
+
 def test_columns_of_tables_and_matlab_files(tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text('time,position\n0,"[1.0, 2.0]"\n1,"[3.0, 4.0]"\n')
     assert read_columns(tmp_path / "a.csv", ["position[1]"])["position[1]"].tolist() == [2, 4]

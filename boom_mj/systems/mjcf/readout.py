@@ -64,9 +64,8 @@ def inputs_of(
         if by["simulated"].effects:
             reaction[joint] = by["simulated"]
     start = {joint: log[f"start/{joint}"].values[0] for joint in channels.started if f"start/{joint}" in log}
-    if level.start:
-        number, which = divmod(level.start - 1, 2)
-        joint = channels.started[number]
+    number, which = divmod(level.start - 1, 2)
+    if level.start and (joint := channels.started[number]) in start:
         start[joint] = start[joint] + log[UNSURE + joint].values[0] * np.eye(2)[which]
     return Inputs(time, path, command, force, start, reaction)
 
