@@ -237,6 +237,9 @@ def test_a_corrected_model_holds_what_mjcf_can_and_names_the_rest() -> None:
     model, nominal = mujoco.MjModel.from_xml_string(text), system.spec.copy().compile()
     assert model.body("fore").mass[0] == pytest.approx(1.5 * nominal.body("fore").mass[0])
     assert f"<!-- cause, not in the model: {late} -->" in text and f"<!-- cause: {heavier} -->" in text
+    sites = [site for site in system.sites() if "measured" in site.tags and "joint" in site.location]
+    rubbing = make_effect("directional_friction", {**sites[0].location, "force": 1.0, "forward": 0.2}, sites)
+    assert f"<!-- cause, in part not in the model: {rubbing} -->" in system.corrected((rubbing,))
     why = {(heavier, "id"): "suspect, not sure: probability 0.10", (heavier, "factor"): "estimate; 95 % 1.4 .. 1.6"}
     text = system.corrected((heavier,), reasons=why)
     assert f"<!-- suspect, not sure: probability 0.10: {heavier}; factor: estimate; 95 % 1.4 .. 1.6 -->" in text

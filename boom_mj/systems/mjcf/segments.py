@@ -1,6 +1,8 @@
 """Logs through a channel map, cut into stretches: each is simulated afresh from the state it begins with."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -45,15 +47,8 @@ def stretches_of(path: Path, channels: ChannelMap) -> list[Recording]:
             raise LogError(f"{path}: {entry.name} has {len(values[entry.name])} samples, its time {len(time)}")
         if entry.role != "compare" and not np.isfinite(values[entry.name]).all():
             raise LogError(f"{path}: {entry.name} has no value at {time[np.argmin(np.isfinite(values[entry.name]))]} s")
-    moving = [e for e in channels.channel if e.joint and np.isfinite(values[e.name]).all()]
-    noise = np.random.default_rng(0).normal(size=(len(moving), len(time)))
-    shaken = {e.name: values[e.name] + white * _noise(e, values[e.name]) for e, white in zip(moving, noise)}
-    smooth = {entry.name: smoothed(time, values[entry.name], channels.cutoff) for entry in moving}
-    shaken = {name: smoothed(time, own, channels.cutoff) for name, own in shaken.items()}
-    states, others = ({k: np.stack([v, np.gradient(v, time)], axis=1) for k, v in s.items()} for s in (smooth, shaken))
-    unsure = {name: np.std(others[name] - own, axis=0) for name, own in states.items()}
-    for entry in channels.role("drive"):
-        values[entry.name] = smooth[entry.name]
+    motions = _motions(time, values, channels)
+    values |= {motion.entry.name: motion.smooth for motion in motions if motion.entry.role == "drive"}
     if channels.driven:
         for entry in channels.role("compare"):
             values[entry.name] = smoothed(time, values[entry.name], channels.compared_cutoff)
@@ -84,15 +79,8 @@ def stretches_of(path: Path, channels: ChannelMap) -> list[Recording]:
             signals[entry.name] = Signal(
                 time[rows], values[entry.name][rows, None], (entry.name,), entry.unit or "1", entry.place
             )
-        at = int(np.argmax(inside))
-        for entry in moving:
-            here, again = (_moved(time[inside], own[entry.name][inside], entry) for own in (smooth, shaken))
-            if entry.role == "drive":
-                signals[SHAKEN + entry.name] = again
-            elif entry.role == "compare" and entry.what == "position":
-                signals |= {f"motion/{entry.joint}": here, f"{SHAKEN}motion/{entry.joint}": again}
-                told = (_state(time[at], own, entry) for own in (states[entry.name][at], unsure[entry.name]))
-                signals |= dict(zip((f"start/{entry.joint}", UNSURE + entry.joint), told))
+        for motion in motions:
+            signals |= motion.signals(inside)
         name = f"{path.name} {begin:g}-{until:g} s"
         found.append(Recording(name, channels.name, str(path), signals))
     return found
@@ -169,12 +157,55 @@ def _noise(entry: ChannelEntry, values: Array) -> float:
     return max(entry.noise, own_noise(values))
 
 
-def _moved(time: Array, values: Array, entry: ChannelEntry) -> Signal:
-    return Signal(time, values[:, None], (entry.joint,), entry.unit or "1", entry.place)
+@dataclass(frozen=True)
+class _Motion:
+    """Measured motion of a joint, smooth, and the same with its noise once more, (n,) each."""
+
+    entry: ChannelEntry
+    time: Array
+    smooth: Array
+    shaken: Array
+
+    @cached_property
+    def state(self) -> Array:
+        """Position and speed, (n, 2)."""
+        return self._with_speed(self.smooth)
+
+    @cached_property
+    def unsure(self) -> Array:
+        """Standard deviations of position and speed, (2,)."""
+        return np.std(self._with_speed(self.shaken) - self.state, axis=0)
+
+    def _with_speed(self, values: Array) -> Array:
+        return np.stack([values, np.gradient(values, self.time)], axis=1)
+
+    def signals(self, rows: Array) -> dict[str, Signal]:
+        """What simulations of a stretch take from it; see `stretches_of`."""
+        entry, unit, at = self.entry, self.entry.unit or "1", np.argmax(rows)
+
+        def told(rows: Array | slice, values: Array, *names: str) -> Signal:
+            return Signal(self.time[rows], values.reshape(-1, len(names)), names, unit, entry.place)
+
+        moved, again = (told(rows, own[rows], entry.joint) for own in (self.smooth, self.shaken))
+        if entry.role == "drive":
+            return {SHAKEN + entry.name: again}
+        if entry.role != "compare" or entry.what != "position":
+            return {}
+        state, unsure = (told(slice(at, at + 1), own, "position", "velocity") for own in (self.state[at], self.unsure))
+        names = f"motion/{entry.joint}", f"{SHAKEN}motion/{entry.joint}", f"start/{entry.joint}", UNSURE + entry.joint
+        return dict(zip(names, (moved, again, state, unsure)))
 
 
-def _state(time: float, values: Array, entry: ChannelEntry) -> Signal:
-    return Signal(np.array([time]), values[None], ("position", "velocity"), entry.unit or "1", entry.place)
+def _motions(time: Array, values: dict[str, Array], channels: ChannelMap) -> list[_Motion]:
+    """Of all channels of joints that have no hole."""
+    moving = [e for e in channels.channel if e.joint and np.isfinite(values[e.name]).all()]
+    white = np.random.default_rng(0).normal(size=(len(moving), len(time)))
+    found = []
+    for entry, noise in zip(moving, white):
+        own = values[entry.name]
+        both = (smoothed(time, one, channels.cutoff) for one in (own, own + noise * _noise(entry, own)))
+        found.append(_Motion(entry, time, *both))
+    return found
 
 
 def _checked_time(path: Path, time: Array) -> Array:

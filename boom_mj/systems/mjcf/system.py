@@ -31,7 +31,7 @@ from boom_mj.systems.system import (
 Array = np.ndarray
 BASE, FINE, FINEST = Level(1.0), Level(0.5), Level(0.25)
 RICHARDSON = Refinement((FINE, FINEST), missing=(-1.0, 2.0), doubtful=(-3.0, 2.0))  # of first order in the step
-NOISE = Refinement((Level(1.0, shaken=True),), missing=(0.0,), doubtful=(np.sqrt(2.0),))  # twice half of one of two
+NOISE = Refinement((Level(1.0, shaken=True),), missing=(0.0,), doubtful=(2**0.5,))  # variance: half of its square
 BANDS_HZ = (("static", 0.2), ("slow", 1.0), ("middle", 5.0), ("above", np.inf))
 STILL, NEVER = 0.02, 1e-9  # of a joint's fastest speed in a stretch; speed of what never moves
 KEPT = 24  # compiled models
@@ -141,10 +141,9 @@ class MjcfSystem:
             for effect in effects:
                 if isinstance(effect, ModelEffect):
                     effect.edit(spec, None)
-                missing = _missing(effect)
                 said = [f"; {name}: {reasons[effect, name]}" for name in effect.values if (effect, name) in reasons]
                 whole = reasons.get((effect, "id"), kind)
-                why.append(f"<!-- {whole}{missing}: {effect}{''.join(said)} -->\n")
+                why.append(f"<!-- {whole}{_missing(effect)}: {effect}{''.join(said)} -->\n")
         spec.compile()
         return spec.to_xml() + "".join(why)
 
