@@ -90,6 +90,10 @@ class SearchBudget:
     partners: int = number(3, "candidates", "screened beside a leader, that are fitted together with it")
     singles_beside: int = number(2, "candidates", "fitted alone before, that are tried together with a leader")
     leaders: int = number(2, "candidates", "of a stage that are refined")
+    trunks: int = number(3, "candidates", "of a stage beside which others are sought, where fits are short")
+    leap: float = number(
+        0.5, "share of gap", "of what is left above noise, that one more cause closes without a rival to its leader"
+    )
     rounds: int = number(3, "refinements", "of a leader, each about the machine that the last has found")
     lines: int = number(3, "spectral lines", "offered to periodic effects")
     line_chance: float = number(0.05, "probability", "of noise showing such a line anywhere in the spectrum")

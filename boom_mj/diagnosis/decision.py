@@ -84,9 +84,11 @@ def choose(scored: Sequence[Scored], as_built: Gaps) -> Scored | None:
 def _within_error(scored: Sequence[Scored]) -> Scored:
     """The simplest explanation that is no worse than the best by more than its standard error, or leaves as little.
 
-    One of likely sizes goes before one of unlikely ones (`Scored.doubt`).
+    One of likely sizes goes before one of unlikely ones (`Scored.doubt`), one whose effects all surely do something
+    before any other: of two that do each other's part no size is known.
     """
     scored = converged(scored)
+    scored = [j for j in scored if all(map(j.shows, j.fit.effects))] or scored
     criteria, data = scored[0].model.criteria, scored[0].model.data
     logs = log_squares(data, np.array([j.fit.residual for j in scored]))[0].mean(axis=1) + [j.doubt for j in scored]
     price = {id(j): log + criteria.parameter_cost * len(j.fit.scaled) for j, log in zip(scored, logs)}

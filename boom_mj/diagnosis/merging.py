@@ -1,16 +1,18 @@
-"""One cause in the place of several that together do what it does.
+"""One cause in the place of several that together do what it does, or of one that is like it.
 
 A link that is longer moves its markers as a slip of each would, one that bends turns its IMU as well. A search that
-adds one cause at a time meets the parts first, and beside them the whole has nothing left to close.
+adds one cause at a time meets the parts first, and beside them the whole has nothing left to close. What it meets first
+may also be what does most of several causes alone: beside the others it is another.
 """
 
 from itertools import combinations
 
 import numpy as np
 
-from boom_mj.diagnosis.candidate import Candidate
+from boom_mj.diagnosis.candidate import Candidate, apart
 from boom_mj.diagnosis.scoring import Scored
 from boom_mj.diagnosis.screening import Screening
+from boom_mj.effects import Effect
 
 PARTS = 2, 3  # causes that one may stand for: two markers and an IMU are what a link has
 
@@ -39,3 +41,30 @@ def wholes_of(found: Scored, screening: Screening, before: float) -> list[Candid
                 if left <= model.criteria.enough(before) and not {*one.candidate.places} & there:
                     promised[Candidate((*stay, *one.candidate.effects))] = left
     return sorted(promised, key=promised.__getitem__)[: model.budget.leaders]
+
+
+def likes_of(found: Scored, screening: Screening) -> list[Candidate]:
+    """Explanations with one cause in the place of another that it is known to be confused with.
+
+    Of every such kind the one at the same place, or where it does most of what the other does; causes that cannot stand
+    beside it go.
+    """
+    model, effects, fit = found.model, found.fit.effects, found.fit
+    owners = np.array([owner for owner, *_ in fit.candidate.parameters])
+    others = dict[Candidate, None]()
+    for k, effect in enumerate(effects):
+        mine = owners == k
+        alike, _ = screening.imitations((), fit.jacobian[:, mine] @ fit.scaled[mine], model, fit.jacobian[:, ~mine])
+        likes = dict[str, Effect]()
+        for like in (one.candidate.effects[0] for one in sorted(alike, key=lambda one: -one.share)):
+            here = like.site.key == effect.site.key or like.site.keys != effect.site.keys
+            if here and _confused(type(like), type(effect)):
+                likes.setdefault(like.id, like)
+        for like in likes.values():
+            beside = (one for j, one in enumerate(effects) if j != k and apart(type(like), like.site, (one,)))
+            others[Candidate((*beside, like))] = None
+    return list(others)
+
+
+def _confused(one: type[Effect], other: type[Effect]) -> bool:
+    return one.id in other.confused_with or other.id in one.confused_with

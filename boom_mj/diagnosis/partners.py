@@ -13,13 +13,28 @@ from boom_mj.diagnosis.screening import Screened, Screening
 from boom_mj.effects import Effect
 
 
+def shortlist(model: Linearisation, screened: Sequence[Screened]) -> list[Screened]:
+    """The best few, and the best of each kind that explains a share worth a simulation."""
+    budget = model.budget
+    chosen = list(screened[: budget.finalists])
+    kinds = {s.candidate.effects[0].id for s in chosen}
+    for s in screened[budget.finalists :]:
+        worth = s.share > budget.kind_share * screened[0].share
+        if s.candidate.effects[0].id not in kinds and worth and len(chosen) < budget.finalists + budget.kinds_beyond:
+            chosen.append(s)
+            kinds.add(s.candidate.effects[0].id)
+    return chosen
+
+
 def partners_of(model: Linearisation, trunk: tuple[Effect, ...], screening: Screening, clock: Clock) -> list[Screened]:
     """What screening suggests about the machine that effects make.
 
-    Simulated are those that at a glance promise most and a sample of the others; where these surprise, all.
+    Simulated are those that at a glance promise most and a sample of the others; where these surprise, all. Where fits
+    are short the best of other kinds are among them: a size far from the screened one promises too little.
     """
     clock.tell("screening beside " + Candidate(trunk).label)
-    model, count = model.conditional_on(trunk), model.budget.partners
+    model, few = model.conditional_on(trunk), model.facts.oscillatory
+    count = model.budget.partners if few else model.budget.finalists
     raw = model.residual(*model.predict([trunk]))
     lines = spectral_lines(model, model.clean(raw))
     glance = screening.beside(trunk, raw, lines)
@@ -30,7 +45,7 @@ def partners_of(model: Linearisation, trunk: tuple[Effect, ...], screening: Scre
     others = [promise for kind, promise in glance.items() if kind not in sample]
     if others and (_surprising(ranked, glance, model.budget.surprise) or max(others) > ranked[:count][-1].share):
         ranked = Screening(model, kinds, lines, trunk, done=some).rank(raw)
-    return ranked[:count]
+    return ranked[:count] if few else shortlist(model, ranked)
 
 
 def _surprising(ranked: Sequence[Screened], glance: Mapping[Kind, float], surprise: float) -> bool:

@@ -7,11 +7,11 @@ import numpy as np
 
 from boom_mj.diagnosis.candidate import Candidate
 from boom_mj.diagnosis.clock import Clock
-from boom_mj.diagnosis.decision import Gaps, choose, nested, solved, sure, useful
+from boom_mj.diagnosis.decision import Gaps, choose, solved, sure, useful
 from boom_mj.diagnosis.fitting import fit, grid_starts
 from boom_mj.diagnosis.linearisation import Linearisation
-from boom_mj.diagnosis.merging import wholes_of
-from boom_mj.diagnosis.partners import pairs_of, partners_of, shared
+from boom_mj.diagnosis.merging import likes_of, wholes_of
+from boom_mj.diagnosis.partners import pairs_of, partners_of, shared, shortlist
 from boom_mj.diagnosis.refining import begun_anew, near, refine
 from boom_mj.diagnosis.scoring import Scored, score
 from boom_mj.diagnosis.screening import Screened, Screening
@@ -47,10 +47,14 @@ def combined(
     for size in range(2, 1 + (most or max(together, budget.revealed))):
         if not scored or clock.over(f"{size} causes together"):
             return scored
+        if screening.model.criteria.gain_z and _stuck(scored, as_built, size):
+            break
         scored = _anew(scored, as_built, begun, clock)
-        if not solved(as_built, scored[0]):
+        if _more_sought(scored[0], as_built):
             last = size == together
             scored = _combine(scored, size, as_built, screening, clock, last) if size <= together else scored
+            if screening.model.criteria.gain_z and size <= together:
+                scored = _swapped(scored, as_built, screening, clock)
         elif not screening.model.criteria.gain_z:
             leader = _shown(scored, as_built, size - 1)
             if leader:
@@ -60,25 +64,24 @@ def combined(
     return _simplified(scored, as_built, clock) if worth else scored
 
 
+def _more_sought(leader: Scored, as_built: Gaps) -> bool:
+    """Whether it leaves more than an explanation may; where the floor is never reached, more than noise."""
+    criteria = leader.model.criteria
+    return max(leader.gaps) > criteria.explained_gap if criteria.gain_z else not solved(as_built, leader)
+
+
+def _stuck(scored: list[Scored], as_built: Gaps, size: int) -> bool:
+    """Whether neither of the last two causes that were added before so many was worth it."""
+    chosen = choose(scored, as_built)
+    return size > 3 and (chosen is None or len(chosen.fit.effects) < size - 2)
+
+
 def _anew(scored: list[Scored], as_built: Gaps, begun: set[tuple], clock: Clock) -> list[Scored]:
     """With the leader begun anew, but for causes that were begun so before."""
     places = scored[0].fit.candidate.places
     anew = scored[0] if places in begun else begun_anew(scored[0], as_built, clock)
     begun.add(places)
     return scored if anew is scored[0] else best_of_each([anew, *scored])
-
-
-def shortlist(model: Linearisation, screened: Sequence[Screened]) -> list[Screened]:
-    """The best few, and the best of each kind that explains a share worth a simulation."""
-    budget = model.budget
-    chosen = list(screened[: budget.finalists])
-    kinds = {s.candidate.effects[0].id for s in chosen}
-    for s in screened[budget.finalists :]:
-        worth = s.share > budget.kind_share * screened[0].share
-        if s.candidate.effects[0].id not in kinds and worth and len(chosen) < budget.finalists + budget.kinds_beyond:
-            chosen.append(s)
-            kinds.add(s.candidate.effects[0].id)
-    return chosen
 
 
 def _fit_by_promise(
@@ -136,14 +139,20 @@ def _combine(
 ) -> list[Scored]:
     """Forward, with a swap: partners for the leader, others for one that was there before, then for the next leader.
 
-    Of a machine that swings only as long as no partner has closed its share, unless no more may follow.
+    Only as long as no partner has closed half of what was left, unless no more may follow.
     """
     model = scored[0].model
     leaders = [j for j in scored if len(j.fit.effects) == size - 1 and useful(j, as_built)]
-    trunks = [(_about(j, as_built, screening.model), j.fit.effects) for j in leaders[: model.budget.leaders]]
+    saving = model.facts.oscillatory
+    leaders = leaders[: model.budget.leaders if saving else model.budget.trunks]
+    trunks = [(_about(j, as_built, screening.model), j.fit.effects) for j in leaders]
     before, seen = scored[0].gaps, set[tuple]()
-    saving = model.facts.oscillatory  # where all is soon tried a tie is worth the look
-    while trunks and not (saving and (solved(as_built, scored[0]) or (not last and _goes_on(scored[0], before)))):
+
+    def enough() -> bool:
+        """Where all is soon tried a tie is worth the look."""
+        return not last and _goes_on(scored[0], before) if _more_sought(scored[0], as_built) else saving
+
+    while trunks and not enough():
         about, trunk = trunks.pop(0)
         if (machine := (id(about), Candidate(trunk).places)) in seen:
             continue
@@ -156,8 +165,8 @@ def _combine(
 
 
 def _goes_on(found: Scored, before: Gaps) -> bool:
-    """Whether one more cause has closed its share of what was left above noise, in training and held out."""
-    left = 1 - found.model.criteria.required_gain
+    """Whether one more cause has closed half of what was left above noise, in training and held out."""
+    left = 1 - found.model.budget.leap
     return all(after - 1 < left * (there - 1) for after, there in zip(found.gaps, before))
 
 
@@ -233,6 +242,19 @@ def _merged(scored: list[Scored], as_built: Gaps, screening: Screening, clock: C
     return scored
 
 
+def _swapped(scored: list[Scored], as_built: Gaps, screening: Screening, clock: Clock) -> list[Scored]:
+    """With a cause in the place of one of the leader's that it is like, as long as that leads."""
+    while _more_sought(leader := scored[0], as_built) and not clock.over("causes like those found"):
+        tried = {j.fit.candidate.places for j in scored}
+        likes = [one for one in likes_of(leader, screening) if one.places not in tried]
+        if likes:
+            clock.tell("in the place of one that is like it: " + ", ".join(one.label for one in likes))
+            scored = best_of_each([*scored, *_refined(fit_all(leader.model, likes, clock), as_built, clock)])
+        if scored[0] is leader:
+            break
+    return scored
+
+
 def _simplified(scored: list[Scored], as_built: Gaps, clock: Clock) -> list[Scored]:
     """With what remains of the leader with one effect or some parameters less, as long as that is chosen."""
     leader, budget = scored[0], scored[0].model.budget
@@ -268,9 +290,6 @@ def _refined(scored: Sequence[Scored], as_built: Gaps, clock: Clock) -> list[Sco
     enough, well = 1 + budget.hope * (as_built[1] - 1), near(model, as_built[0])
     close = [j for j in scored if j.held_out < min(budget.close * scored[0].held_out, enough)][: budget.leaders]
     close += [j for j in sorted(scored, key=lambda j: j.train)[:1] if j not in close and j.train < well]
-    if model.criteria.gain_z:  # the simplest that does as well is chosen: special cases must have their chance
-        special = [j for j in scored for one in close if _sites(j) == _sites(one) and nested(j, one)]
-        close += [j for j in dict.fromkeys(special) if j not in close]
     done: list[Scored] = []
     for one in close:
         ahead = min((j.held_out for j in done), default=np.inf)
@@ -280,7 +299,3 @@ def _refined(scored: Sequence[Scored], as_built: Gaps, clock: Clock) -> list[Sco
         done.append(refine(one, as_built, clock))
         clock.tell(f"{one.label} refined: held-out gap {one.held_out:.2f} -> {done[-1].held_out:.2f}")
     return sorted([*done, *(j for j in scored if j not in close)], key=lambda j: j.held_out)
-
-
-def _sites(scored: Scored) -> list[tuple]:
-    return [effect.site.key for effect in scored.fit.effects]

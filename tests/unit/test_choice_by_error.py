@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from boom_mj.diagnosis import stages
 from boom_mj.diagnosis.criteria import MJCF
 from boom_mj.diagnosis.decision import choose, converged, held_out_loss
 from boom_mj.diagnosis.scoring import Scored, _hidden
@@ -87,6 +88,20 @@ def test_a_cause_that_came_out_neutral_is_none() -> None:
     idle = explanation(2, 2.0 * NOISE, sizes=(1.0, 0.0))
     assert choose([idle, one := explanation(1, 4.0 * NOISE)], NOMINAL) is one
     assert converged([idle]) == [idle]  # there is no other
+
+
+def test_an_explanation_whose_causes_all_show_goes_before_one_of_which_one_may_do_nothing() -> None:
+    """Two that do each other's part leave less than either, and of neither is the size known."""
+    vague = explanation(2, 2.0 * NOISE, sizes=(0.5, 1.0))
+    assert choose([vague, one := explanation(1, 4.0 * NOISE)], NOMINAL) is one
+    assert choose([vague], NOMINAL) is vague
+
+
+def test_a_search_ends_when_two_causes_in_turn_were_not_worth_it() -> None:
+    one, two = explanation(1, 4.0 * NOISE), explanation(2, 2.0 * NOISE)
+    idle = [leaving(3.87, causes, causes, train=4.0) for causes in (2, 3)]  # as large as noise four times as loud
+    assert not stages._stuck([one, *idle], NOMINAL, 3) and stages._stuck([one, *idle], NOMINAL, 4)
+    assert not stages._stuck([two, one, *idle], NOMINAL, 4) and stages._stuck([two, one, *idle], NOMINAL, 5)
 
 
 @pytest.mark.parametrize("size", [0.7, 0.8, -0.8])

@@ -9,7 +9,7 @@ from scipy.special import ndtri, stdtrit
 
 from boom_mj.diagnosis import answer, budget, decision
 from boom_mj.diagnosis.candidate import Candidate, everywhere
-from boom_mj.diagnosis.criteria import BOOM
+from boom_mj.diagnosis.criteria import BOOM, MJCF, SearchBudget
 from boom_mj.diagnosis.fitting import Fit, fit
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.scoring import Scored
@@ -117,6 +117,19 @@ def test_a_cause_is_needed_where_the_rest_leaves_much_more(monkeypatch: pytest.M
     monkeypatch.setattr(budget, "needed", lambda best, scored, as_built, effect: effect.id == "end_hose")
     assert budget.any_needed(scored(1.0, PAYLOAD, HOSE), [], np.zeros(0)) is True
     assert budget.any_needed(best, [], np.zeros(0)) is False
+
+
+def test_what_leaves_much_more_in_training_is_no_rival_where_the_floor_is_never_reached(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Be what it says of few held-out windows as good as it may: it was not refined."""
+    model = SimpleNamespace(criteria=MJCF, budget=SearchBudget(), data=None)
+    best = replace(scored(2.0, PAYLOAD, model=model), deviation=np.array([0.3]))
+    logs = np.tile([[1.0], [3.0], [1.0]], 2)  # over two cells: of the best, of the machine as built, of a rival
+    monkeypatch.setattr(budget, "log_squares", lambda data, left: (logs[: len(left)], np.arange(2)))
+    for left, needed in ((2.9, False), (3.1, True)):
+        rival = scored(left, HOSE, model=model)
+        assert budget.needed(best, [best, rival], best.fit.residual, best.fit.effects[0]) == needed
 
 
 def test_the_remainder_is_a_share_of_mean_squares(monkeypatch: pytest.MonkeyPatch) -> None:

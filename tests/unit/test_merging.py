@@ -9,7 +9,7 @@ from boom_mj.diagnosis.candidate import Candidate
 from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.decision import choose
 from boom_mj.diagnosis.linearisation import linearise
-from boom_mj.diagnosis.merging import wholes_of
+from boom_mj.diagnosis.merging import likes_of, wholes_of
 from boom_mj.diagnosis.scoring import Scored
 from boom_mj.diagnosis.screening import Screening
 from boom_mj.effects import Effect
@@ -28,7 +28,17 @@ class Alone(Term):
         return np.cos(0.7 * time)
 
 
-KINDS = [(kind, site) for kind in (Square, Cube, Ramp, Hum, Common, Alone) for site in SITES]
+class Dented(Term):
+    """A square with a dent."""
+
+    id = "dented"
+    confused_with = ("square",)
+
+    def shape(self, time: Array, angle: Array) -> Array:
+        return angle**2 * (1 + 0.3 * np.sin(time))
+
+
+KINDS = [(kind, site) for kind in (Square, Cube, Ramp, Hum, Common, Alone, Dented) for site in SITES]
 PARTS = term(Alone, 1, 0.05), term(Alone, 2, 0.05)
 WHOLE = term(Common, 1, 0.05)
 
@@ -75,6 +85,24 @@ def test_what_does_not_suffice_is_left_as_it_is() -> None:
     parts, screening, gaps = explained((WHOLE, term(Offset, 1, 0.0), term(Cube, 2, 0.4)), PARTS)
     assert parts.train > 2
     assert stages._merged([parts], gaps, screening, Clock()) == [parts]
+
+
+@mark.parametrize(("true", "by"), [(Square, Dented), (Dented, Square)])
+def test_a_cause_gives_way_to_the_one_it_is_confused_with_at_its_place(true: type[Term], by: type[Term]) -> None:
+    cause = term(true, 1, 0.5)
+    first, screening, gaps = explained((cause, HUM), (term(by, 1, 0.5), HUM))
+    assert [one.places for one in likes_of(first, screening)] == [Candidate((HUM, cause)).places]
+    leader, *others = stages._swapped([first], gaps, screening, Clock())
+    assert leader.fit.candidate.places == Candidate((cause, HUM)).places and others == [first]
+    assert leader.train < 1.05 < first.train
+
+
+def test_what_suffices_and_what_no_time_is_left_for_is_not_swapped() -> None:
+    first, screening, gaps = explained((SQUARE, HUM), (SQUARE, HUM))
+    assert stages._swapped([first], gaps, screening, Clock()) == [first]
+    first, screening, gaps = explained((SQUARE, HUM), (term(Dented, 1, 0.5), HUM))
+    assert stages._swapped([first], gaps, screening, over := Clock(0.0)) == [first]
+    assert over.skipped == ("causes like those found",)
 
 
 def test_without_time_nothing_is_merged() -> None:

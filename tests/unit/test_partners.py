@@ -10,7 +10,7 @@ from pytest import MonkeyPatch, approx, fixture, mark
 from boom_mj.diagnosis import diagnose, stages
 from boom_mj.diagnosis.candidate import everywhere
 from boom_mj.diagnosis.clock import Clock
-from boom_mj.diagnosis.criteria import BOOM
+from boom_mj.diagnosis.criteria import SearchBudget
 from boom_mj.diagnosis.screening import Screening
 
 LASTS = TIME[-1]
@@ -108,7 +108,7 @@ def test_where_no_more_may_follow_all_are_looked_at(looked: Callable[..., list[i
     ("after", "goes_on"), [((1.9, 1.9), True), ((2.1, 1.9), False), ((1.9, 2.1), False), ((0.98, 0.98), True)]
 )
 def test_a_share_is_half_of_what_is_above_noise(after: tuple[float, float], goes_on: bool) -> None:
-    found: Any = SimpleNamespace(gaps=after, model=SimpleNamespace(criteria=BOOM))
+    found: Any = SimpleNamespace(gaps=after, model=SimpleNamespace(budget=SearchBudget()))
     assert stages._goes_on(found, (2.9, 2.9)) == goes_on
 
 

@@ -171,7 +171,7 @@ class ChannelMap(BaseModel):
     repeat: Positive | None = None
     independent: Positive = 1.0
     train: float = Field(default=0.6, gt=0, lt=1)
-    causes: int = Field(default=4, ge=1, le=8)
+    causes: int = Field(default=6, ge=1, le=8)
     channel: tuple[ChannelEntry, ...]
     log: tuple[LogEntry, ...] = ()
 
