@@ -150,15 +150,15 @@ def needed(best: Scored, scored: Sequence[Scored], as_built: Array, effect: Effe
     """Whether whatever does without a cause leaves much more, in 95 of 100 draws: so sure is it, whatever is left.
 
     A cause that by the intervals of its sizes may do nothing is not. Explanations that hold a special case of it, or of
-    which it is one, do not do without it. Where the floor is never reached, what leaves so much more in training that
-    it is not refined (`close`) is no rival: what it says of few held-out windows is chance.
+    which it is one, do not do without it. Where the floor is never reached, what fits training much worse is no
+    rival (`Scored.rivals`).
     """
     model = best.model
     if not best.shows(effect):
         return False
     rivals = scored
     if model.criteria.gain_z:
-        rivals = [one for one in converged(scored) if one.train <= model.budget.close * best.train]
+        rivals = [one for one in converged(scored) if one.rivals(best)]
     others = [one for one in rivals if apart(type(effect), effect.site, one.fit.effects)]
     if model.criteria.gain_z:
         residuals = [best.fit.residual, as_built, *(one.fit.residual for one in others)]

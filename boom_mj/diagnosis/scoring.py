@@ -48,6 +48,11 @@ class Scored:
         beyond = self.by_effect(np.abs(self.fit.scaled) > Z95 * self.deviation)
         return bool(beyond[self.fit.effects.index(effect)].any())
 
+    def rivals(self, best: "Scored") -> bool:
+        """Whether it fits training well enough beside another to be refined (`close`): of what does not few held-out
+        windows tell nothing."""
+        return self.train <= self.model.budget.close * best.train
+
     @property
     def plausible(self) -> bool:
         """Whether all sizes are physically likely."""

@@ -216,12 +216,11 @@ def _revealed(leader: Scored, scored: list[Scored], screening: Screening, clock:
 def _paired(
     scored: list[Scored], model: Linearisation, pairs: Sequence[tuple[Candidate, float]], before: Gaps, clock: Clock
 ) -> list[Scored]:
-    """With combinations that were not tried before, by what they promise."""
-    tried = {one.fit.candidate.places for one in scored}
+    """With combinations, by what they promise; those tried before only where fits are short, from another start."""
+    tried = {one.fit.candidate.places for one in scored} if model.facts.oscillatory else set()
     pairs = [(pair, share) for pair, share in pairs if pair.places not in tried]
     clock.tell("combinations: " + ", ".join(dict.fromkeys(pair.label for pair, _ in pairs)))
-    found = _refined(_fit_by_promise(model, pairs, before[0], clock), before, clock)
-    return sorted([*scored, *found], key=lambda j: j.held_out)
+    return best_of_each([*scored, *_refined(_fit_by_promise(model, pairs, before[0], clock), before, clock)])
 
 
 def _merged(scored: list[Scored], as_built: Gaps, screening: Screening, clock: Clock) -> list[Scored]:
@@ -287,7 +286,8 @@ def _refined(scored: Sequence[Scored], as_built: Gaps, clock: Clock) -> list[Sco
     if not scored:
         return []
     model, budget = scored[0].model, scored[0].model.budget
-    enough, well = 1 + budget.hope * (as_built[1] - 1), near(model, as_built[0])
+    hope = budget.hope if model.facts.oscillatory else 1.0  # where refining is soon done
+    enough, well = 1 + hope * (as_built[1] - 1), near(model, as_built[0])
     close = [j for j in scored if j.held_out < min(budget.close * scored[0].held_out, enough)][: budget.leaders]
     close += [j for j in sorted(scored, key=lambda j: j.train)[:1] if j not in close and j.train < well]
     done: list[Scored] = []
