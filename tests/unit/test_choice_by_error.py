@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from boom_mj.diagnosis import stages
-from boom_mj.diagnosis.criteria import MJCF
+from boom_mj.diagnosis.criteria import MJCF, SearchBudget
 from boom_mj.diagnosis.decision import choose, converged, held_out_loss
 from boom_mj.diagnosis.scoring import Scored, _hidden
 from boom_mj.effects import Parameter
@@ -15,7 +15,7 @@ from boom_mj.effects import Parameter
 WINDOWS = np.repeat(np.arange(40), 25)
 ALL = np.ones(1000, bool)
 DATA = SimpleNamespace(windows=WINDOWS, held_out=ALL, recording_of=WINDOWS // 20, channel_of=np.zeros(1000, int))
-MODEL: Any = SimpleNamespace(criteria=MJCF, data=DATA, facts=SimpleNamespace(repeat_s=None))
+MODEL: Any = SimpleNamespace(criteria=MJCF, budget=SearchBudget(), data=DATA, facts=SimpleNamespace(repeat_s=None))
 NOISE = np.random.default_rng(1).normal(size=1000)
 
 
@@ -57,6 +57,15 @@ def test_a_second_cause_within_its_error_does_not() -> None:
     loss, error = held_out_loss(MODEL, best.fit.residual, other.fit.residual)
     assert loss < error
     assert choose([best, other], NOMINAL) is one
+
+
+@pytest.mark.parametrize("left", [4.4, 4.6])
+def test_what_fits_training_half_as_well_again_is_no_equal(left: float) -> None:
+    """Where held-out data do not tell two explanations apart, training may."""
+    one, two = leaving(3.0, 1, 5, train=left), leaving(2.95, 2, 6, train=3.0)
+    loss, error = held_out_loss(MODEL, two.fit.residual, one.fit.residual)
+    assert 0 < loss < error and one.rivals(two) == (left < 4.5)
+    assert choose([two, one], NOMINAL) is (one if left < 4.5 else two)
 
 
 @pytest.mark.parametrize(("better", "chosen"), [(2.5, "likely"), (1.0, "unlikely")])
