@@ -217,10 +217,12 @@ def _paired(
     scored: list[Scored], model: Linearisation, pairs: Sequence[tuple[Candidate, float]], before: Gaps, clock: Clock
 ) -> list[Scored]:
     """With combinations, by what they promise; those tried before only where fits are short, from another start."""
-    tried = {one.fit.candidate.places for one in scored} if model.facts.oscillatory else set()
-    pairs = [(pair, share) for pair, share in pairs if pair.places not in tried]
+    tried, again = {one.fit.candidate.places for one in scored}, not model.facts.oscillatory
+    pairs = [(pair, share) for pair, share in pairs if again or pair.places not in tried]
     clock.tell("combinations: " + ", ".join(dict.fromkeys(pair.label for pair, _ in pairs)))
-    return best_of_each([*scored, *_refined(_fit_by_promise(model, pairs, before[0], clock), before, clock)])
+    rough = _fit_by_promise(model, pairs, before[0], clock)
+    found = _refined(rough, before, clock)
+    return best_of_each([*scored, *(j for j in found if j not in rough or j.fit.candidate.places not in tried)])
 
 
 def _merged(scored: list[Scored], as_built: Gaps, screening: Screening, clock: Clock) -> list[Scored]:
