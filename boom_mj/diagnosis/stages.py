@@ -50,7 +50,7 @@ def combined(
         if screening.model.criteria.gain_z and _stuck(scored, as_built, size):
             break
         scored = _anew(scored, as_built, begun, clock)
-        if _more_sought(scored[0], as_built):
+        if not solved(as_built, scored[0]):
             last = size == together
             scored = _combine(scored, size, as_built, screening, clock, last) if size <= together else scored
             if screening.model.criteria.gain_z and size <= together:
@@ -62,12 +62,6 @@ def combined(
     scored = _merged(_anew(scored, as_built, begun, clock), as_built, screening, clock)
     worth = screening.model.criteria.gain_z or any(solved(as_built, j) for j in scored)
     return _simplified(scored, as_built, clock) if worth else scored
-
-
-def _more_sought(leader: Scored, as_built: Gaps) -> bool:
-    """Whether it leaves more than an explanation may; where the floor is never reached, more than noise."""
-    criteria = leader.model.criteria
-    return max(leader.gaps) > criteria.explained_gap if criteria.gain_z else not solved(as_built, leader)
 
 
 def _stuck(scored: list[Scored], as_built: Gaps, size: int) -> bool:
@@ -150,7 +144,7 @@ def _combine(
 
     def enough() -> bool:
         """Where all is soon tried a tie is worth the look."""
-        return not last and _goes_on(scored[0], before) if _more_sought(scored[0], as_built) else saving
+        return saving if solved(as_built, scored[0]) else not last and _goes_on(scored[0], before)
 
     while trunks and not enough():
         about, trunk = trunks.pop(0)
@@ -245,7 +239,7 @@ def _merged(scored: list[Scored], as_built: Gaps, screening: Screening, clock: C
 
 def _swapped(scored: list[Scored], as_built: Gaps, screening: Screening, clock: Clock) -> list[Scored]:
     """With a cause in the place of one of the leader's that it is like, as long as that leads."""
-    while _more_sought(leader := scored[0], as_built) and not clock.over("causes like those found"):
+    while not solved(as_built, leader := scored[0]) and not clock.over("causes like those found"):
         tried = {j.fit.candidate.places for j in scored}
         likes = [one for one in likes_of(leader, screening) if one.places not in tried]
         if likes:
