@@ -49,8 +49,10 @@ class Scored:
         return bool(beyond[self.fit.effects.index(effect)].any())
 
     def rivals(self, best: "Scored") -> bool:
-        """Whether it fits training well enough beside another to be refined (`close`): of what does not few held-out
-        windows tell nothing."""
+        """Whether it fits training well enough beside another to be refined (`close`).
+
+        Of what does not, few held-out windows tell nothing.
+        """
         return self.train <= self.model.budget.close * best.train
 
     @property
