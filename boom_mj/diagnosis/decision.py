@@ -84,9 +84,9 @@ def choose(scored: Sequence[Scored], as_built: Gaps) -> Scored | None:
 def _within_error(scored: Sequence[Scored]) -> Scored:
     """The simplest explanation that is no worse than the best by more than its standard error, or leaves as little.
 
-    What training tells apart few held-out windows need not (`Scored.rivals`).
-    One of likely sizes goes before one of unlikely ones (`Scored.doubt`), one whose effects all surely do something
-    before any other: of two that do each other's part no size is known.
+    What training tells apart few held-out windows need not (`Scored.rivals`). One of likely sizes goes before one of
+    unlikely ones (`Scored.doubt`), one whose effects all surely do something before any other: of two that do each
+    other's part no size is known.
     """
     scored = converged(scored)
     scored = [j for j in scored if all(map(j.shows, j.fit.effects))] or scored
@@ -97,8 +97,8 @@ def _within_error(scored: Sequence[Scored]) -> Scored:
     def near(best: Scored, z: float) -> list[Scored]:
         losses = [held_out_loss(best.model, best.fit.residual, j.fit.residual) for j in scored]
         equal = [abs(j.held_out**2 - best.held_out**2) < criteria.least_gain for j in scored]
-        found = [j for j, (loss, error), same in zip(scored, losses, equal) if same or loss <= z * error]
-        return [j for j in found if j.rivals(best)]
+        alike = [same or loss <= z * error for (loss, error), same in zip(losses, equal)]
+        return [j for j, so in zip(scored, alike) if so and j.rivals(best)]
 
     best = min(scored, key=lambda j: price[id(j)])
     alike = [j for j in near(best, criteria.gain_z) if j.plausible or not best.plausible]

@@ -1,6 +1,7 @@
 """Partners of a leader: a glance that tells spares simulations, and one that does not costs no partner."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -8,7 +9,7 @@ from algebra import HUM, LATE, RAMP, SQUARE, TIME, Ramp, causes, model, predicto
 from pytest import MonkeyPatch, approx, fixture, mark
 
 from boom_mj.diagnosis import diagnose, stages
-from boom_mj.diagnosis.candidate import everywhere
+from boom_mj.diagnosis.candidate import Candidate, everywhere
 from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.criteria import SearchBudget
 from boom_mj.diagnosis.screening import Screening
@@ -51,6 +52,30 @@ def test_a_glance_that_does_not_tell_costs_no_partner(
     monkeypatch.setattr(Screening, "promises", lambda *given: {k: told(v) for k, v in promises(*given).items()})
     assert found() == right
     assert simulated == [5, 5, 9]
+
+
+@mark.usefixtures("library")
+@mark.parametrize("oscillatory", [True, False])
+def test_where_fits_are_short_more_partners_are_fitted(oscillatory: bool) -> None:
+    about = model((SQUARE, HUM, RAMP), oscillatory=oscillatory)
+    screening = Screening(about, everywhere(about.system, ()), [])
+    found = stages.partners_of(about, (SQUARE,), screening, Clock())
+    few, many = about.budget.partners, about.budget.finalists
+    assert len(found) == few if oscillatory else len(found) >= many > few
+
+
+@mark.usefixtures("library")
+@mark.parametrize("better", [True, False])
+def test_what_is_fitted_again_counts_once_refined(better: bool, monkeypatch: MonkeyPatch) -> None:
+    """Where fits are short a combination is tried from another start; its rough score does not outdo a refined one."""
+    about, gaps = model((SQUARE, HUM), oscillatory=False), (9.0, 9.0)
+    pair = Candidate((SQUARE, HUM))
+    (first,) = stages.fit_all(about, [pair], Clock())
+    rough = replace(first, held_out=0.5 * first.held_out)
+    done = replace(first, held_out=0.6 * first.held_out)
+    monkeypatch.setattr(stages, "_fit_by_promise", lambda *given: [rough])
+    monkeypatch.setattr(stages, "_refined", lambda scored, *given: [done] if better else scored)
+    assert stages._paired([first], about, [(pair, 1.0)], gaps, Clock()) == [done if better else first]
 
 
 @mark.usefixtures("library")
