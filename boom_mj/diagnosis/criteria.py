@@ -119,7 +119,7 @@ class SearchBudget:
 
 BOOM = Criteria()
 MJCF = Criteria(
-    explained_gap=1.03, least_gain=0.10, error_share=0.01, required_gain=0.0, gain_z=1.0, leakage=0.0, shadow=0.2
+    explained_gap=1.5, least_gain=0.10, error_share=0.001, required_gain=0.0, gain_z=1.0, leakage=0.0, shadow=0.2
 )
 OF_KIND = {"boom": BOOM, "mjcf": MJCF}
 

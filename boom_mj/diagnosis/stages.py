@@ -43,24 +43,23 @@ def combined(
         most: causes of a combination; see `diagnose`.
     """
     budget, together = screening.model.budget, most or screening.model.facts.max_causes
-    begun = set[tuple]()
+    begun, counts = set[tuple](), bool(screening.model.criteria.gain_z)
     for size in range(2, 1 + (most or max(together, budget.revealed))):
         if not scored or clock.over(f"{size} causes together"):
             return scored
-        if screening.model.criteria.gain_z and _stuck(scored, as_built, size):
+        if counts and _stuck(scored, as_built, size):
             break
         scored = _anew(scored, as_built, begun, clock)
-        if not solved(as_built, scored[0]):
+        leader = (choose(scored, as_built) if counts else None) or scored[0]
+        if not solved(as_built, leader):
             last = size == together
             scored = _combine(scored, size, as_built, screening, clock, last) if size <= together else scored
-            if screening.model.criteria.gain_z and size <= together:
-                scored = _swapped(scored, as_built, screening, clock)
-        elif not screening.model.criteria.gain_z:
-            leader = _shown(scored, as_built, size - 1)
-            if leader:
-                scored = _revealed(leader, scored, screening, clock)
+        elif not counts and (shown := _shown(scored, as_built, size - 1)):
+            scored = _revealed(shown, scored, screening, clock)
+        if counts and size <= together:
+            scored = _swapped(scored, as_built, screening, clock)
     scored = _merged(_anew(scored, as_built, begun, clock), as_built, screening, clock)
-    worth = screening.model.criteria.gain_z or any(solved(as_built, j) for j in scored)
+    worth = counts or any(solved(as_built, j) for j in scored)
     return _simplified(scored, as_built, clock) if worth else scored
 
 
@@ -238,8 +237,12 @@ def _merged(scored: list[Scored], as_built: Gaps, screening: Screening, clock: C
 
 
 def _swapped(scored: list[Scored], as_built: Gaps, screening: Screening, clock: Clock) -> list[Scored]:
-    """With a cause in the place of one of the leader's that it is like, as long as that leads."""
-    while not solved(as_built, leader := scored[0]) and not clock.over("causes like those found"):
+    """With a cause in the place of one of the leader's that it is like, as long as that leads.
+
+    Of what suffices as well: until nothing is left a like of the true cause may.
+    """
+    most = scored[0].model.criteria.near_noise_gap
+    while max((leader := scored[0]).gaps) > most and not clock.over("causes like those found"):
         tried = {j.fit.candidate.places for j in scored}
         likes = [one for one in likes_of(leader, screening) if one.places not in tried]
         if likes:
