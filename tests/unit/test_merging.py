@@ -7,7 +7,7 @@ from pytest import approx, mark
 from boom_mj.diagnosis import stages
 from boom_mj.diagnosis.candidate import Candidate
 from boom_mj.diagnosis.clock import Clock
-from boom_mj.diagnosis.decision import choose
+from boom_mj.diagnosis.decision import choose, solved
 from boom_mj.diagnosis.linearisation import linearise
 from boom_mj.diagnosis.merging import likes_of, wholes_of
 from boom_mj.diagnosis.scoring import Scored
@@ -95,9 +95,11 @@ def test_a_cause_gives_way_to_the_one_it_is_confused_with_at_its_place(true: typ
     leader, *others = stages._swapped([first], gaps, screening, Clock())
     assert leader.fit.candidate.places == Candidate((cause, HUM)).places and others == [first]
     assert leader.train < 1.05 < first.train
+    large = (1e4, 1e4)  # of a gap so large it suffices as well
+    assert solved(large, first) and stages._swapped([first], large, screening, Clock())[0].train < 1.05
 
 
-def test_what_suffices_and_what_no_time_is_left_for_is_not_swapped() -> None:
+def test_what_leaves_noise_and_what_no_time_is_left_for_is_not_swapped() -> None:
     first, screening, gaps = explained((SQUARE, HUM), (SQUARE, HUM))
     assert stages._swapped([first], gaps, screening, Clock()) == [first]
     first, screening, gaps = explained((SQUARE, HUM), (term(Dented, 1, 0.5), HUM))
