@@ -20,8 +20,8 @@ class Criteria:
     explained_gap: float = number(
         1.01,
         "gap",
-        "what an explanation may leave besides `error_share`: 80 healthy booms show 0.987 +- 0.004, at most 1.000; of MJCF "
-        "machines the truth itself leaves 1.1 to 1.9 on benches, whatever the gap",
+        "what an explanation may leave besides `error_share`: 80 healthy booms show 0.987 +- 0.004, at most 1.000; of "
+        "MJCF machines the truth itself leaves 1.1 to 1.9 on benches, whatever the gap",
     )
     healthy_gap: float = number(1.05, "gap", "up to which nothing needs explaining, unless a cause is sure")
     near_noise_gap: float = number(1.15, "gap", "up to which a cause must be sure, and above which a recording trains")
