@@ -2,7 +2,7 @@
 
 import numpy as np
 from algebra import HUM, SITES, SQUARE, Common, Cube, Hum, Offset, Ramp, Square, Term, predictor, term
-from pytest import approx, mark
+from pytest import MonkeyPatch, approx, mark
 
 from boom_mj.diagnosis import stages
 from boom_mj.diagnosis.candidate import Candidate
@@ -43,9 +43,9 @@ PARTS = term(Alone, 1, 0.05), term(Alone, 2, 0.05)
 WHOLE = term(Common, 1, 0.05)
 
 
-def explained(true: tuple[Effect, ...], by: tuple[Effect, ...]) -> tuple[Scored, Screening, Gaps]:
+def explained(true: tuple[Effect, ...], by: tuple[Effect, ...], kind: str = "boom") -> tuple[Scored, Screening, Gaps]:
     """A machine that has some effects, fitted with others; the screening and the gaps of it as built."""
-    model = linearise(predictor(true))
+    model = linearise(predictor(true, kind=kind))
     as_built = model.clean(raw := model.residual(model.base))
     gaps = gap(as_built, model.data.train), gap(as_built, model.data.held_out)
     screening = Screening(model, KINDS, [])
@@ -105,6 +105,21 @@ def test_what_leaves_noise_and_what_no_time_is_left_for_is_not_swapped() -> None
     first, screening, gaps = explained((SQUARE, HUM), (term(Dented, 1, 0.5), HUM))
     assert stages._swapped([first], gaps, screening, over := Clock(0.0)) == [first]
     assert over.skipped == ("causes like those found",)
+
+
+@mark.parametrize(("chosen", "searched"), [("both", []), ("alone", [2, 3])])
+def test_a_search_ends_where_what_would_be_chosen_suffices(
+    chosen: str, searched: list[int], monkeypatch: MonkeyPatch
+) -> None:
+    """A leader that suffices but is no surer than one that does not has not decided."""
+    alone, screening, gaps = explained((SQUARE, HUM), (SQUARE,), "mjcf")
+    both, *_ = explained((SQUARE, HUM), (SQUARE, HUM), "mjcf")
+    assert solved(gaps, both) and not solved(gaps, alone)
+    asked = list[int]()
+    monkeypatch.setattr(stages, "choose", lambda scored, gaps: {"both": both, "alone": alone}[chosen])
+    monkeypatch.setattr(stages, "_combine", lambda scored, size, *rest: asked.append(size) or scored)
+    stages.combined([both, alone], gaps, screening, Clock(), most=4)
+    assert asked == searched
 
 
 def test_without_time_nothing_is_merged() -> None:
