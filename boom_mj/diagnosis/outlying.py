@@ -82,6 +82,8 @@ class Outlier(_Part):
 def outlying(model: Linearisation, as_built: Array, scored: Sequence[Scored]) -> Outlier | None:
     """What holds most of a gap's excess above noise and leaves little without it, if anything does.
 
+    Where the floor is never reached (`gain_z`), what some explanation closes most of is none: a cause is at work there.
+
     Args:
         as_built: whitened residual of the machine as built, (N,).
         scored: explanations that were tried.
@@ -107,7 +109,8 @@ def outlying(model: Linearisation, as_built: Array, scored: Sequence[Scored]) ->
     for part in sorted(alike, key=lambda part: part.rows.sum()):
         least = min(gap(residual, part.rows) for residual in residuals)
         tells = len(np.unique(data.windows[data.held_out & ~part.rows])) >= FEWEST
-        if tells and least > criteria.near_noise_gap:
+        enough = near(model, gap(as_built, part.rows)) if criteria.gain_z else criteria.near_noise_gap
+        if tells and least > enough:
             return Outlier(part.device, part.rows, part.whole, data, least)
     return None
 
