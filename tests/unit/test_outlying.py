@@ -25,7 +25,10 @@ from pytest import approx, mark
 
 from boom_mj.cli.gap import _summary
 from boom_mj.diagnosis import document
+from boom_mj.diagnosis.candidate import Candidate
+from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.outlying import outlying
+from boom_mj.diagnosis.stages import fit_all
 from boom_mj.effects import Effect
 from boom_mj.recording import Recording
 
@@ -107,6 +110,20 @@ def test_a_sensor_is_left_out_where_the_rest_is_nearly_explained(rest: float, ou
     about = model((), third=True)
     third = about.data.spread([channel.signal == "third" for channel in about.data.channels]).astype(bool)
     part = outlying(about, np.where(third, 20.0, rest), [])
+    assert (part.name if part else None) == ("third" if out else None)
+
+
+@mark.usefixtures("library")
+@mark.parametrize(("kind", "left", "out"), [("mjcf", 5.0, False), ("mjcf", 6.5, True), ("boom", 5.0, True)])
+def test_where_the_floor_is_never_reached_what_is_mostly_explained_is_no_outlier(
+    kind: str, left: float, out: bool
+) -> None:
+    """Most of a gap of 20 is gone at 1 + 19 / 4 = 5.75."""
+    about = model((), third=True, kind=kind)
+    third = about.data.spread([channel.signal == "third" for channel in about.data.channels]).astype(bool)
+    (tried,) = fit_all(about, [Candidate((SQUARE,))], Clock())
+    tried = replace(tried, fit=replace(tried.fit, residual=np.where(third, left, 1.0)))
+    part = outlying(about, np.where(third, 20.0, 2.0), [tried])
     assert (part.name if part else None) == ("third" if out else None)
 
 
