@@ -43,23 +43,23 @@ def combined(
         most: causes of a combination; see `diagnose`.
     """
     budget, together = screening.model.budget, most or screening.model.facts.max_causes
-    begun, counts = set[tuple](), bool(screening.model.criteria.gain_z)
+    begun, by_error = set[tuple](), bool(screening.model.criteria.gain_z)
     for size in range(2, 1 + (most or max(together, budget.revealed))):
         if not scored or clock.over(f"{size} causes together"):
             return scored
-        if counts and _stuck(scored, as_built, size):
+        if by_error and _stuck(scored, as_built, size):
             break
         scored = _anew(scored, as_built, begun, clock)
-        leader = (choose(scored, as_built) if counts else None) or scored[0]
+        leader = (choose(scored, as_built) if by_error else None) or scored[0]
         if not solved(as_built, leader):
             last = size == together
             scored = _combine(scored, size, as_built, screening, clock, last) if size <= together else scored
-        elif not counts and (shown := _shown(scored, as_built, size - 1)):
+        elif not by_error and (shown := _shown(scored, as_built, size - 1)):
             scored = _revealed(shown, scored, screening, clock)
-        if counts and size <= together:
+        if by_error and size <= together:
             scored = _swapped(scored, as_built, screening, clock)
     scored = _merged(_anew(scored, as_built, begun, clock), as_built, screening, clock)
-    worth = counts or any(solved(as_built, j) for j in scored)
+    worth = by_error or any(solved(as_built, j) for j in scored)
     return _simplified(scored, as_built, clock) if worth else scored
 
 
@@ -196,7 +196,7 @@ def _shown(scored: Sequence[Scored], as_built: Gaps, size: int) -> Scored | None
 
 
 def _revealed(leader: Scored, scored: list[Scored], screening: Screening, clock: Clock) -> list[Scored]:
-    """With pairs of a leader that suffices, where screening promises what counts: at a glance, then about it."""
+    """With pairs of a leader that suffices, where screening promises what by_error: at a glance, then about it."""
     model, trunk = leader.model, leader.fit.effects
     least = model.criteria.least_gain / leader.train**2
     glance = screening.promises(trunk, model.residual(*model.predict([trunk])), model, leader.fit.jacobian)
