@@ -196,7 +196,7 @@ def _shown(scored: Sequence[Scored], as_built: Gaps, size: int) -> Scored | None
 
 
 def _revealed(leader: Scored, scored: list[Scored], screening: Screening, clock: Clock) -> list[Scored]:
-    """With pairs of a leader that suffices, where screening promises what by_error: at a glance, then about it."""
+    """With pairs of a leader that suffices, where screening promises what counts: at a glance, then about it."""
     model, trunk = leader.model, leader.fit.effects
     least = model.criteria.least_gain / leader.train**2
     glance = screening.promises(trunk, model.residual(*model.predict([trunk])), model, leader.fit.jacobian)
@@ -237,7 +237,7 @@ def _merged(scored: list[Scored], as_built: Gaps, screening: Screening, clock: C
 
 
 def _swapped(scored: list[Scored], as_built: Gaps, screening: Screening, clock: Clock) -> list[Scored]:
-    """With a cause in the place of one of the leader's that it is like, as long as that leads.
+    """With a cause in the place of one of the leader's that it is like, as long as that leaves less (`helped`).
 
     Of what suffices as well: until nothing is left a like of the true cause may.
     """
@@ -248,7 +248,7 @@ def _swapped(scored: list[Scored], as_built: Gaps, screening: Screening, clock: 
         if likes:
             clock.tell("in the place of one that is like it: " + ", ".join(one.label for one in likes))
             scored = best_of_each([*scored, *_refined(fit_all(leader.model, likes, clock), as_built, clock)])
-        if scored[0] is leader:
+        if scored[0].held_out > leader.model.budget.helped * leader.held_out:
             break
     return scored
 
