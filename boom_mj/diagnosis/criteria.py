@@ -110,7 +110,9 @@ class SearchBudget:
     latent_left: float = number(0.25, "share of gap", "that a latent input must leave less than, to count in screening")
     revealed: int = number(6, "causes", "of an explanation that suffices, beside which one more shows")
     still: float = number(0.1, "sizes worth finding", "within which nuisances and model error stay what they are")
-    helped: float = number(0.98, "share of gap", "that a refinement, if much of the gap is left, or a like of a cause must leave to go on")
+    helped: float = number(
+        0.98, "share of gap", "that a refinement, if much of the gap is left, or a like of a cause must leave to go on"
+    )
     far: float = number(0.25, "share of gap", "above noise, that counts as much of it")
     worse: float = number(1.2, "times the gap", "at which a refinement is given up")
     hope: float = number(0.9, "share of gap", "of what there was to explain: what leaves more is not refined")
