@@ -134,8 +134,9 @@ def beam(answer: Answer) -> dict[str, bool]:
 
 
 def flexible_joint(answer: Answer) -> dict[str, bool]:
-    """Steady speeds of `scope_data_deadzone_pos.mat`, by whatever form of friction."""
+    """Steady speeds of `scope_data_deadzone_pos.mat`, by whatever form of friction and however strong the motor is."""
     hub = [effect for effect in answer["effects"] if rubs(effect, "hub")]
+    gain = sizes(answer, "actuator_gain", actuator="motor").get("factor", {"value": 1.0})["value"]
 
     def voltage(speed: float) -> float:
         total = 0.87 * speed  # of the nominal model
@@ -143,7 +144,7 @@ def flexible_joint(answer: Answer) -> dict[str, bool]:
             size = {name: one["value"] for name, one in effect["parameters"].items()}
             total += size.get("force", 0.0) + size.get("forward", size.get("damping", 0.0)) * speed
             total += size.get("excess", 0.0) * np.exp(-((speed / size.get("speed", 1.0)) ** 2))
-        return float(total)
+        return float(total / gain)
 
     known = {0.445: 0.45, 1.628: 1.1}  # V, of speeds in rad/s
     return {f"{v} V at {speed} rad/s": bool(hub) and abs(voltage(speed) / v - 1) < 0.1 for speed, v in known.items()}
