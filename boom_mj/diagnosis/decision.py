@@ -163,13 +163,17 @@ def _simplest(best: Scored | None, rivals: Sequence[Scored], before: float) -> S
 
 
 def ties_with(model: Linearisation, best: Scored, other: Scored, before: float) -> bool:
-    """Whether a rival does as well within its uncertainty; supersets of the best do not count."""
+    """Whether a rival does as well within its uncertainty; supersets of the best do not count.
+
+    Where `gain_z` decides, one of unlikely sizes has to do better than one of likely ones (`Scored.doubt`).
+    """
     if set(best.fit.candidate.places) <= set(other.fit.candidate.places):
         return False
     if nested(best, other) or len(other.fit.effects) > len(best.fit.effects):
         return False
     worse, error = held_out_loss(model, best.fit.residual, other.fit.residual)
     criteria = model.criteria
+    worse += other.doubt - best.doubt if criteria.gain_z else 0.0
     close = other.held_out - best.held_out < criteria.tie_closure * (before - min(best.held_out, 1.0))
     return close and worse < criteria.tie_z * error
 

@@ -8,7 +8,7 @@ import pytest
 
 from boom_mj.diagnosis import stages
 from boom_mj.diagnosis.criteria import MJCF, SearchBudget
-from boom_mj.diagnosis.decision import choose, converged, held_out_loss
+from boom_mj.diagnosis.decision import choose, converged, held_out_loss, ties_with
 from boom_mj.diagnosis.scoring import Scored, _hidden
 from boom_mj.effects import Parameter
 
@@ -73,6 +73,13 @@ def test_an_unlikely_size_must_leave_half_of_what_a_likely_one_leaves(better: fl
     likely, unlikely = leaving(4.0, 1, 5), leaving(better, 1, 6, plausible=False)
     found = choose([unlikely, likely], NOMINAL)
     assert found is {"likely": likely, "unlikely": unlikely}[chosen]
+
+
+@pytest.mark.parametrize(("left", "likely", "ties"), [(3.0, True, True), (3.0, False, False), (1.3, False, True)])
+def test_an_unlikely_rival_ties_only_where_it_leaves_half(left: float, likely: bool, ties: bool) -> None:
+    best, other = leaving(3.0, 1, 5), leaving(left, 1, 6, plausible=likely)
+    other.fit.candidate.places = (7,)
+    assert ties_with(MODEL, best, other, NOMINAL[1]) == ties
 
 
 def test_the_worst_moments_do_not_outvote_all_others() -> None:
