@@ -166,7 +166,6 @@ MACHINES = (
         ("friction_damper/sine_0.5Hz_25lb.csv",),
         "play of 3 to 4 mm, about 6 kN/mm to and from it",
         damper,
-        quick=True,
     ),
     RealMachine(
         "simple_pendulum",
