@@ -231,11 +231,11 @@ class Screening:
         )
 
     def _explained(self, equations: "NormalEquations", part: slice) -> tuple[float, Array]:
-        """The share of a misfit that a group of columns explains, and their weights."""
+        """The share of a misfit that a group of columns explains, none of one that is none, and their weights."""
         slopes, size = equations.slopes[part], part.stop - part.start
         prior = np.eye(size) / self.model.budget.weight_prior**2
         weights = np.linalg.solve(equations.curvature(part, part) + prior, slopes)
-        return float(slopes @ weights / equations.whole), weights
+        return float(slopes @ weights / equations.whole) if equations.whole else 0.0, weights
 
     def parts_of(self, effects: Hypothesis) -> list[slice]:
         """Where columns of effects are: of several sizes or periods the nearest."""

@@ -99,6 +99,12 @@ def test_a_cause_gives_way_to_the_one_it_is_confused_with_at_its_place(true: typ
     assert solved(large, first) and stages._swapped([first], large, screening, Clock())[0].train < 1.05
 
 
+def test_what_changes_nothing_nothing_is_like() -> None:
+    found, screening, _ = explained((SQUARE,), (SQUARE,))
+    alike, square = screening.imitations((), np.zeros(len(found.fit.residual)), found.model, found.fit.jacobian)
+    assert square == 0 and {one.share for one in alike} == {0.0}
+
+
 def test_what_leaves_noise_and_what_no_time_is_left_for_is_not_swapped() -> None:
     first, screening, gaps = explained((SQUARE, HUM), (SQUARE, HUM))
     assert stages._swapped([first], gaps, screening, Clock()) == [first]
