@@ -21,7 +21,7 @@ class Criteria:
         1.01,
         "gap",
         "what an explanation may leave besides `error_share`: 80 healthy booms show 0.987 +- 0.004, at most 1.000; of "
-        "MJCF machines the truth itself leaves 1.1 to 1.9 on benches, whatever the gap",
+        "MJCF machines the truth itself mostly leaves 1.0 to 1.9 on benches, whatever the gap",
     )
     healthy_gap: float = number(1.05, "gap", "up to which nothing needs explaining, unless a cause is sure")
     near_noise_gap: float = number(1.15, "gap", "up to which a cause must be sure, and above which a recording trains")
@@ -40,7 +40,8 @@ class Criteria:
     error_share: float = number(
         0.005,
         "share of gap",
-        "that a model's own error may leave besides noise; of MJCF machines truths of gaps of 600 to 1200 leave 0.0003",
+        "that a model's own error may leave besides noise; of MJCF machines truths mostly leave up to 0.001 of gaps of "
+        "600 to 1300",
     )
     required_gain: float = number(0.5, "share of gap", "of what is left above noise, that another effect must close")
     gain_z: float = number(

@@ -27,9 +27,8 @@ def of(machines: list[RealMachine]) -> pytest.MarkDecorator:
 
 
 def there(machine: RealMachine) -> None:
-    for path in (*machine.train, *machine.held_out):
-        if not (REAL / path).exists():
-            pytest.skip(f"{path} is not at {REAL}; BOOM_MJ_REAL says where recordings of real machines are")
+    if missing := machine.missing(REAL):
+        pytest.skip(f"{missing} not at {REAL}; BOOM_MJ_REAL says where recordings of real machines are")
 
 
 @of([*MACHINES, TWO_LINKS])
