@@ -31,7 +31,7 @@ import boom_mj.sweeping
 import boom_mj.systems.mjcf  # noqa: F401  # what commands import when they are called, so that a fork has it
 from boom_mj.cli import run
 
-MEMORY, SECONDS = 4 * 2**30, 60  # bytes of address space, s of CPU
+MEMORY, SECONDS = 4 * 2**30, 60  # bytes of address space beyond what the process has that it forks from, s of CPU
 CRASHED = 70
 STOPS = {signal.SIGINT, signal.SIGTERM}
 OUTCOMES = ("clear error", "accepted", "crash", "blow-up", "killed")
@@ -116,6 +116,11 @@ def attempt(
     return found
 
 
+def _address_space() -> int:
+    """Of this process, bytes: what tests before left there is no command's."""
+    return int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+
+
 def _be_the_command(
     arguments: list[str],
     folder: Path,
@@ -138,7 +143,7 @@ def _be_the_command(
         for kind, most in (
             (resource.RLIMIT_CORE, 0),
             (resource.RLIMIT_CPU, seconds),
-            (resource.RLIMIT_AS, memory),
+            (resource.RLIMIT_AS, _address_space() + memory),
             (resource.RLIMIT_FSIZE, file_size),
         ):
             if most is not None:
