@@ -29,7 +29,8 @@ from boom_mj.blind.plant import true_plant
 from boom_mj.blind.sampling import known_effects
 from boom_mj.diagnosis.answer import document
 from boom_mj.diagnosis.budget import metric, shapley, subsets_of
-from boom_mj.diagnosis.diagnose import Diagnosis, diagnose
+from boom_mj.diagnosis.conclusion import Diagnosis
+from boom_mj.diagnosis.diagnose import diagnose
 from boom_mj.diagnosis.healthy import as_built
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.effects import Effect, make_effect

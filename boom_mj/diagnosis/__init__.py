@@ -1,7 +1,7 @@
 """The diagnosis of the sim-to-real gap: where it lies, which effect causes it, how far it shrinks."""
 
 from boom_mj.diagnosis.answer import document as document
-from boom_mj.diagnosis.diagnose import Diagnosis as Diagnosis
+from boom_mj.diagnosis.conclusion import Diagnosis as Diagnosis
 from boom_mj.diagnosis.diagnose import diagnose as diagnose
 from boom_mj.diagnosis.predictions import built_with as built_with
 from boom_mj.diagnosis.predictions import causes as causes

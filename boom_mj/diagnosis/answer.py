@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from boom_mj.diagnosis.diagnose import Diagnosis
+from boom_mj.diagnosis.conclusion import Diagnosis
 from boom_mj.diagnosis.localisation import in_words, locate, looks_like
-from boom_mj.diagnosis.named import described, named_as_causes, probability_of_all, sized
+from boom_mj.diagnosis.named import described, probability_of_all, sized
 from boom_mj.diagnosis.predictions import estimated_nuisances, nuisances
 from boom_mj.diagnosis.readings import outlier_findings
 from boom_mj.diagnosis.sentences import other_laws, rival, sentence
@@ -32,8 +32,8 @@ def document(
         findings: what is wrong with them.
         channels: their gaps from the machine file to the explanation, `channel_steps`; simulating them takes a while.
 
-    Of a "partial" explanation `effects` are the causes that are sure; others, and what closes some of an "unexplained"
-    gap, are listed as "suspect". Shares of budget, remainder and floor add up to 1.
+    Of an explanation `effects` are the causes that are sure; others, and what closes some of an "unexplained" gap, are
+    listed as "suspect". Shares of budget, remainder and floor add up to 1.
     """
     data, best, raw = found.model.data, found.best, found.model.residual(found.model.base)
     cells = locate(found.model, found.as_built)
@@ -124,7 +124,7 @@ def _with_outliers(found: Diagnosis) -> dict[str, Any] | None:
 
 def _causes(found: Diagnosis) -> dict[str, list[dict[str, Any]]]:
     """Effects that the verdict names, and suspects."""
-    causes, named = described(found) if found.best else [], named_as_causes(found)
+    causes, named = described(found) if found.best else [], found.named
     return {
         "effects": [cause for cause, so in zip(causes, named) if so],
         "suspect": [cause for cause, so in zip(causes, named) if not so],

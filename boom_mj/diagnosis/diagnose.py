@@ -1,143 +1,23 @@
 """The diagnosis: fidelity and nuisances, screening, single causes, combinations, and scores on held-out data."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
-from boom_mj.diagnosis.budget import Budget, Odds, any_needed, gap_budget, inclusion, needed, odds
 from boom_mj.diagnosis.candidate import everywhere
 from boom_mj.diagnosis.clock import Clock
-from boom_mj.diagnosis.criteria import Criteria
-from boom_mj.diagnosis.decision import choose, explains, solved, sure, ties_with, useful
-from boom_mj.diagnosis.linearisation import Linearisation, linearise
+from boom_mj.diagnosis.conclusion import Diagnosis, concluded
+from boom_mj.diagnosis.decision import sure, useful
+from boom_mj.diagnosis.linearisation import linearise
 from boom_mj.diagnosis.lines import spectral_lines
 from boom_mj.diagnosis.mimicry import mimicked, unseen
 from boom_mj.diagnosis.outlying import MOST, Outlier, outlying
-from boom_mj.diagnosis.scoring import Scored, held_out_closure, simplest_gap
+from boom_mj.diagnosis.scoring import Scored
 from boom_mj.diagnosis.screening import Screened, Screening
 from boom_mj.diagnosis.stages import combined, refined, singles
-from boom_mj.diagnosis.stand_in import freed
-from boom_mj.estimation.bootstrap import Closure, gap
+from boom_mj.diagnosis.unnamed import allowing_for_others
+from boom_mj.estimation.bootstrap import gap
 from boom_mj.systems.predictor import Predictor
-from boom_mj.systems.system import Designs, ResidualForce, ResidualForces, separating_experiments
-
-Array = np.ndarray
-
-
-@dataclass(frozen=True, eq=False)
-class Diagnosis:
-    """What was found.
-
-    Attributes:
-        verdict: consistent, explained, ambiguous, partial or unexplained.
-        best: the explanation, None where nothing helps.
-        scored: all scored candidates, best first.
-        ties: rivals that the data cannot tell from the best.
-        as_built: whitened residual of the machine as built, with the nuisances that leave least of it, (N,).
-        closure: of the best on held-out entries.
-        fidelity_alone: share of the coarse model's held-out gap that a finer one closes by itself.
-        next_experiment: that would separate the ties.
-        model: the healthy machine, about which all this is said.
-        odds: probabilities of the scored candidates, in their order, and of what else there is.
-        skipped: what was not looked at for want of time.
-        freed: the best explanation with a joint's resistance set free, where its law is another (`stand_in`).
-        simplest: held-out gap that the simplest model leaves, with the explanation or without; None where not tried.
-        outliers: what was left out, since nothing explains it: all else is about the rest.
-        with_outliers: what was found before; None without any.
-    """
-
-    verdict: str
-    best: Scored | None
-    scored: tuple[Scored, ...]
-    ties: tuple[Scored, ...]
-    screened: tuple[Screened, ...]
-    as_built: Array
-    closure: Closure
-    fidelity_alone: float
-    next_experiment: str | None
-    model: Linearisation
-    odds: Odds
-    skipped: tuple[str, ...] = ()
-    freed: tuple[Scored, ...] = ()
-    simplest: float | None = None
-    outliers: tuple[Outlier, ...] = ()
-    with_outliers: "Diagnosis | None" = None
-
-    def but_for(self, outliers: tuple[Outlier, ...], with_outliers: "Diagnosis | None") -> "Diagnosis":
-        """The diagnosis of the rest as one of the whole: something is at work that nothing explains."""
-        if not outliers:
-            return self
-        odds = replace(self.odds, outside_library=self.odds.outside_library + self.odds.none, none=0.0)
-        rest = replace(self, verdict="partial", odds=odds, outliers=outliers, with_outliers=with_outliers)
-        return rest if self.solved and any(rest.sure) else replace(rest, verdict="unexplained")
-
-    @property
-    def criteria(self) -> Criteria:
-        """What decided."""
-        return self.model.criteria
-
-    @property
-    def solved(self) -> bool:
-        """Whether the gap has an explanation, or several that do as well."""
-        return self.verdict in ("explained", "ambiguous")
-
-    @property
-    def residual(self) -> Array:
-        """What the explanation leaves, whitened, (N,)."""
-        return self.best.fit.residual if self.best else self.as_built
-
-    @cached_property
-    def sure(self) -> tuple[bool, ...]:
-        """Of the effects of the best explanation: whether nothing else does what they do, or if all but outliers is
-        explained whether they are likely."""
-        if not self.best:
-            return ()
-        effects = self.best.fit.effects
-        if self.outliers and not self.ties:
-            least = self.criteria.named_probability
-            return tuple(inclusion(self.odds, self.scored, effect) >= least for effect in effects)
-        rivals = (*self.scored, *self.freed)
-        return tuple(needed(self.best, rivals, self.as_built, effect) for effect in effects)
-
-    @cached_property
-    def budget(self) -> Budget | None:
-        """What the effects of the best explanation take of the held-out gap."""
-        return gap_budget(self.best) if self.best else None
-
-    @cached_property
-    def trained(self) -> Array:
-        """What the explanation leaves or, where that is much, what explains all of training, whitened, (N,)."""
-        most = [j for j in self.scored if j.train <= self.criteria.explained_gap]
-        if not most or gap(self.residual, self.model.data.train) <= self.criteria.near_noise_gap:
-            return self.residual
-        return min(most, key=lambda j: j.train).fit.residual
-
-    @cached_property
-    def not_trained(self) -> dict[int, float]:
-        """Recordings held out, by index, with a gap where training has none or an explanation, and it.
-
-        Where training has none, even an explanation has its sizes from recordings that hardly inform of them.
-        """
-        data, near_noise = self.model.data, self.criteria.near_noise_gap
-        learnt = self.solved and gap(self.as_built, data.train) > self.criteria.healthy_gap
-        if learnt or data.split_in_time or gap(self.trained, data.train) > near_noise:
-            return {}
-        residual = self.as_built if self.solved else self.trained
-        rows = (data.held_out & (data.recording_of == k) for k in range(len(data.recordings)))
-        left = {k: gap(residual, own) for k, own in enumerate(rows)}
-        return {k: size for k, size in left.items() if size > near_noise}
-
-    @cached_property
-    def forces(self) -> tuple[ResidualForce, ...]:
-        """What would move the machine as built to where it was; none where channels do not tell where that is."""
-        system, model = self.model.system, self.model
-        if not isinstance(system, ResidualForces):
-            return ()
-        return system.forces(model.data, self.as_built, model.noise.weight)
-
 
 Keep = Callable[[Diagnosis], None]
 
@@ -162,7 +42,17 @@ def diagnose(
         keep: is given what is known after every stage, the best so far.
     """
     with threadpool_limits(1):  # simulations have the cores
-        return _of_most(predictor, without, clock or Clock(), most, keep)
+        clock = clock or Clock()
+        return _allowing_for_others(_of_most(predictor, without, clock, most, keep), without, clock)
+
+
+def _allowing_for_others(found: Diagnosis, without: Sequence[str], clock: Clock) -> Diagnosis:
+    """With sizes as unsure as small effects that are not named make them (`unnamed`)."""
+    if not (found.best and found.criteria.unnamed) or clock.over("small effects that are not named"):
+        return found
+    clock.tell("how small effects that are not named move sizes")
+    kinds = everywhere(found.model.system, without)
+    return found.after(lambda one: allowing_for_others(one, kinds))
 
 
 def _of_most(
@@ -202,10 +92,10 @@ def _diagnose(predictor: Predictor, without: Sequence[str], clock: Clock, most: 
         clock.tell(f"{len(screening.rows)} candidates screened")
         screened = screening.rank(raw)
 
-    def concluded(scored: Sequence[Scored]) -> Diagnosis:
+    def conclude(scored: Sequence[Scored]) -> Diagnosis:
         alike = [mimicked(screening, j.fit.effects, raw, j.train) for j in scored] if screening else None
         hidden = unseen(screening, raw) if screening else 1.0
-        return _concluded(model, as_built, screened, scored, alike, hidden, clock)
+        return concluded(model, as_built, screened, scored, alike, hidden, clock)
 
     scored: list[Scored] = []
     promise = screened[0].share * training**2 if screened else 0.0
@@ -213,13 +103,13 @@ def _diagnose(predictor: Predictor, without: Sequence[str], clock: Clock, most: 
         scored = singles(model, screened, gaps, clock)
     worth = any(before > criteria.healthy_gap or (useful(j, gaps) and sure(as_built, j)) for j in scored)
     if worth:
-        keep(concluded(scored))
+        keep(conclude(scored))
         scored = refined(scored, gaps, clock)
-    found = concluded(scored)
+    found = conclude(scored)
     keep(found)
     other = _extended(found, without, clock, most, keep)
     if worth and screening and not other:
-        found = concluded(combined(scored, gaps, screening, clock, most))
+        found = conclude(combined(scored, gaps, screening, clock, most))
         other = _extended(found, without, clock, most, keep)
     return other if other and other.solved else found
 
@@ -240,61 +130,3 @@ def _extended(found: Diagnosis, without: Sequence[str], clock: Clock, most: int 
         return None
     clock.tell(f"training recordings do not show the gap; training with {part} as well")
     return _diagnose(found.model.predictor.extending(largest), without, clock, most, keep)
-
-
-def _concluded(
-    model: Linearisation,
-    as_built: Array,
-    screened: Sequence[Screened],
-    scored: Sequence[Scored],
-    mimicked: Sequence[float] | None,
-    unseen: float,
-    clock: Clock,
-) -> Diagnosis:
-    """What scores say; `mimicked` of every scored explanation, and `unseen`: see `odds`."""
-    data, criteria = model.data, model.criteria
-    gaps = _, before = gap(as_built, data.train), gap(as_built, data.held_out)
-    best = choose(scored, gaps)
-    if best and before <= criteria.near_noise_gap and not sure(as_built, best):
-        best = None
-    share = held_out_closure(model, as_built, best.fit.residual if best else as_built)
-    verdict = "unexplained" if best or before > criteria.healthy_gap else "consistent"
-    ties, other_laws = tuple[Scored, ...](), tuple[Scored, ...]()
-    if best and explains(gaps, best, share):
-        rivals = (j for j in scored if j is not best and solved(gaps, j))
-        ties = tuple(j for j in rivals if ties_with(model, best, j, before))
-        verdict = "ambiguous" if ties else "explained"
-    elif best and 1 - criteria.shadow >= criteria.named_probability and any_needed(best, scored, as_built):
-        other_laws = tuple(freed(best, clock))
-        verdict = "partial" if any_needed(best, (*scored, *other_laws), as_built) else "unexplained"
-        if criteria.gain_z and verdict == "partial":  # what is left does not hide that others leave as much
-            ties = tuple(j for j in scored if j is not best and ties_with(model, best, j, before))
-    following = None
-    if best and ties:
-        clock.tell("the next experiment")
-        following = _next_experiment(model, [j.fit.effects for j in (best, *ties)])
-    (coarse,) = model.predictor.predict([()], model.facts.fidelity.coarse)
-    coarse = model.clean(model.noise.white(data.measured - coarse))
-    fidelity = held_out_closure(model, coarse, as_built).value
-    return Diagnosis(
-        verdict,
-        best,
-        tuple(scored),
-        ties,
-        tuple(screened),
-        as_built,
-        share,
-        fidelity,
-        following,
-        model,
-        odds(as_built, scored, model, mimicked, unseen),
-        clock.skipped,
-        other_laws,
-        simplest_gap(model, best) if verdict in ("unexplained", "partial") else None,
-    )
-
-
-def _next_experiment(model: Linearisation, rivals: Sequence[tuple]) -> str | None:
-    if isinstance(model.system, Designs):
-        return model.system.next_experiment(rivals, [log.name for log in model.data.recordings])
-    return separating_experiments(rivals)

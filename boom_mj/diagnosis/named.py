@@ -5,7 +5,7 @@ from typing import Any
 
 from boom_mj.diagnosis.budget import inclusion
 from boom_mj.diagnosis.candidate import Candidate
-from boom_mj.diagnosis.diagnose import Diagnosis
+from boom_mj.diagnosis.conclusion import Diagnosis
 from boom_mj.diagnosis.scoring import Scored
 from boom_mj.effects import Effect
 from boom_mj.estimation.bootstrap import gap
@@ -52,13 +52,6 @@ def _sizes(scored: Scored, number: int) -> dict[str, Any]:
     return sizes
 
 
-def named_as_causes(found: Diagnosis) -> tuple[bool, ...]:
-    """Of the effects of the best explanation, which the verdict names; the others are suspects."""
-    if found.verdict == "partial":
-        return tuple(found.sure)
-    return (found.verdict != "unexplained",) * (len(found.best.fit.effects) if found.best else 0)
-
-
 def interval_of(scored: Scored, number: int) -> tuple[float, float, float]:
     """A parameter's value, and the ends of its 95 % interval."""
     owner, name, parameter = scored.fit.candidate.parameters[number]
@@ -103,14 +96,15 @@ def probability(found: Diagnosis, effect: Effect) -> float:
 def probability_of_all(found: Diagnosis) -> float:
     """That an answer is right as a whole: these causes are all, or those that are sure are there, or there is none.
 
-    An unexplained gap is right where something outside the library is at work.
+    An unexplained gap is right where something outside the library is at work, or a little of much in it.
     """
     odds = found.odds
     if found.verdict == "unexplained":
-        return odds.outside_library
+        little = odds.explanations[found.scored.index(found.best)] if found.best and found.closed_by_little else 0.0
+        return odds.outside_library + little
     if found.best is None:
         return odds.none * (1 - odds.unwell)
-    named = [probability(found, e) for e, so in zip(found.best.fit.effects, named_as_causes(found)) if so]
+    named = [probability(found, e) for e, so in zip(found.best.fit.effects, found.named) if so]
     return min(named) * (1.0 if found.verdict == "partial" else 1 - odds.hidden)
 
 

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from boom_mj.diagnosis.diagnose import Diagnosis
+from boom_mj.diagnosis.conclusion import Diagnosis
 from boom_mj.diagnosis.linearisation import of_size
 from boom_mj.effects import Effect
 from boom_mj.recording import Recording

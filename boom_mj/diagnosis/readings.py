@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from boom_mj.diagnosis.diagnose import Diagnosis
+from boom_mj.diagnosis.conclusion import Diagnosis
 from boom_mj.diagnosis.outlying import Outlier
 from boom_mj.diagnosis.predictions import explanation, nominal_predictor, simulated_recording
 from boom_mj.effects import behind

@@ -1,7 +1,7 @@
 """Why a corrected file holds what it holds: a reason for every line of every effect that is written."""
 
-from boom_mj.diagnosis.diagnose import Diagnosis
-from boom_mj.diagnosis.named import described, named_as_causes
+from boom_mj.diagnosis.conclusion import Diagnosis
+from boom_mj.diagnosis.named import described
 from boom_mj.diagnosis.predictions import built_with, causes, estimated_nuisances, nuisances
 from boom_mj.diagnosis.steps import nuisance_sizes
 from boom_mj.effects import Effect, behind
@@ -21,7 +21,7 @@ def reasons(found: Diagnosis) -> Reasons:
     for size in nuisance_sizes(estimated_nuisances(found), nuisances(found)):
         unit = _unit(size.effect, size.parameter)
         said[size.effect, size.parameter] = f"estimate; prior {size.neutral:.4g} +- {size.deviation:.2g}{unit}"
-    for effect, cause, sure in zip(causes(found), described(found) if found.best else (), named_as_causes(found)):
+    for effect, cause, sure in zip(causes(found), described(found) if found.best else (), found.named):
         kind = "cause" if sure else "suspect, not sure"
         said[effect, "id"] = f"{kind}: probability {cause['probability']:.2f}"
         for name, size in cause["parameters"].items():

@@ -92,7 +92,7 @@ def deviations(model: Linearisation, found: Fit) -> Array:
     cost is rough, and how unsure what the parameter changes is.
     """
     data, train = model.data, model.data.train
-    clean, inverse = _information(model, found)
+    clean, inverse = information(model, found)
     clusters = correlated(model, train)
     variance = robust_variance(inverse, clean * found.residual[train][:, None], clusters)
     if model.criteria.gain_z:
@@ -108,7 +108,7 @@ def _doubts(system: System, found: Fit) -> Array:
     return np.array([system.doubt(found.effects[owner], name) for owner, name, _ in found.candidate.parameters])
 
 
-def _information(model: Linearisation, found: Fit) -> tuple[Array, Array]:
+def information(model: Linearisation, found: Fit) -> tuple[Array, Array]:
     """Sensitivities of training entries as they are felt while nuisances follow, (n, p), and H^-1, (p, p)."""
     train = model.data.train
     clean = model.posterior.project(found.jacobian, np.ones(len(model.nuisances), bool))[train]
@@ -147,7 +147,7 @@ def profiled(found: Scored, before: float) -> Scored:
     """
     model, candidate, at = found.model, found.fit.candidate, found.fit.scaled
     train, deviation = model.data.train, found.deviation.copy()
-    (clean, inverse), enough, ends = _information(model, found.fit), _as_good(found, before), list[Array]()
+    (clean, inverse), enough, ends = information(model, found.fit), _as_good(found, before), list[Array]()
     for k, (owner, *_) in enumerate(candidate.parameters):
         if candidate.effects[owner].grid_start:
             points = at + np.outer(at[k] * np.r_[SCAN, -SCAN], np.eye(len(at))[k])

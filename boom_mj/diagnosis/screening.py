@@ -160,7 +160,7 @@ class Screening:
             own = [self.columns[:, part] for part in self.parts_of(effects)]
             equations = self._equations(residual, np.column_stack([self.follow, *own]))
         else:
-            equations = self._beside(residual, about, jacobian)
+            equations = self.equations_beside(residual, about, jacobian)
         promise: dict[tuple, float] = {}
         for (kind, site, _), part in zip(self.rows, self.stretches):
             if apart(kind, site, effects):
@@ -179,14 +179,14 @@ class Screening:
             about: the machine of which it is one.
             jacobian: what its effects change there, (N, p).
         """
-        equations, found = self._beside(change, about, jacobian), list[Screened]()
+        equations, found = self.equations_beside(change, about, jacobian), list[Screened]()
         for (kind, site, group), part in zip(self.rows, self.stretches):
             if apart(kind, site, effects):
                 share, weights = self._explained(equations, part)
                 found.append(Screened(Candidate((kind(site, **kind.combine(site, group, weights)),)), share))
         return found, equations.whole / len(self.columns)
 
-    def _beside(self, residual: Array, about: Linearisation, jacobian: Array) -> "NormalEquations":
+    def equations_beside(self, residual: Array, about: Linearisation, jacobian: Array) -> "NormalEquations":
         """About a machine that is known, where its effects follow as they do there."""
         follow = np.column_stack([about.posterior.trained, jacobian[about.data.train]])
         return self._equations(residual, follow, about.posterior)

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from boom_mj.diagnosis.candidate import Candidate
-from boom_mj.diagnosis.diagnose import Diagnosis
+from boom_mj.diagnosis.conclusion import Diagnosis
 from boom_mj.diagnosis.localisation import in_words, locate
 from boom_mj.diagnosis.named import brief, closure_of, described
 from boom_mj.diagnosis.scoring import Scored
@@ -51,11 +51,13 @@ def sentence(found: Diagnosis) -> str:
         hidden = " and ".join(data.recordings[k].name for k in found.not_trained)
         advice = f" Training recordings do not show all of it; train with {hidden} as well." if hidden else ""
         advice += _other_laws(found) + _simulated(found) + _unfinished(found)
+        if found.best and found.closed_by_little:
+            little = f"{found.best.label} would {leaves}, but a little of other effects may do what each of its does"
+            return f"No cause of the gap of {before:.1f} is sure: {little}. {where[0].upper()}{where[1:]}.{advice}"
         return f"The gap of {before:.1f} has no explanation in the library{tried}: {where}.{advice}"
-    named = [found.verdict != "partial" or sure for sure in found.sure]
-    causes = [_in_words(entry) for entry, so in zip(described(found), named) if so]
+    causes = [_in_words(entry) for entry, so in zip(described(found), found.named) if so]
     cause, close = " and ".join(causes), "closes" if len(causes) == 1 else "close"
-    together = "" if all(named) else ", with what acts beside,"
+    together = "" if all(found.named) else ", with what acts beside,"
     whole = f"{close} {found.closure.value:.0%} of the held-out gap of {before:.1f}"
     if before <= found.criteria.healthy_gap:
         after, show = gap(found.residual, data.held_out), close.replace("close", "show")
@@ -71,9 +73,9 @@ def sentence(found: Diagnosis) -> str:
     elif found.verdict == "partial":
         left = f"{found.best.held_out:.2f} is left" if found.best else ""
         text += f"; {left}, which {in_words(locate(found.model, found.residual)).replace('it is seen', 'is seen')}"
-        if found.criteria.gain_z and (beside := _beside(found)):
-            others = f" and {len(beside) - BESIDE} others" * (len(beside) > BESIDE)
-            text += f". The data do not tell what acts beside: {', '.join(beside[:BESIDE])}{others}"
+    if found.criteria.gain_z and not found.outliers and (beside := _beside(found)):
+        others = f" and {len(beside) - BESIDE} others" * (len(beside) > BESIDE)
+        text += f". The data do not tell what acts beside: {', '.join(beside[:BESIDE])}{others}"
     if before > found.criteria.healthy_gap:
         text += f". Without it, {where}"
     return f"{text}.{_extended(found)}{_other_laws(found)}{_simulated(found)}{_unfinished(found)}"
@@ -92,9 +94,9 @@ def _but_for(found: Diagnosis) -> str:
 
 
 def _beside(found: Diagnosis) -> list[str]:
-    """Causes that are not sure, of the best explanation and of those that do as well."""
-    explanations = [one.fit.effects for one in (found.best, *found.ties) if one]
-    sure = {e.cause for e, so in zip(found.best.fit.effects, found.sure) if so} if found.best else set()
+    """Causes that are not sure, of the best explanation and, where that leaves something, of those that do as well."""
+    explanations = [one.fit.effects for one in (found.best, *(found.ties if found.verdict == "partial" else ())) if one]
+    sure = {e.cause for e, so in zip(found.best.fit.effects, found.named) if so} if found.best else set()
     beside = [effect for effects in explanations for effect in effects if effect.cause not in sure]
     return list(dict.fromkeys(Candidate((effect,)).label.replace("_", " ") for effect in beside))
 

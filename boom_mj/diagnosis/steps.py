@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from boom_mj.diagnosis.diagnose import Diagnosis
+from boom_mj.diagnosis.conclusion import Diagnosis
 from boom_mj.diagnosis.predictions import nominal_predictor, simulated_recording, steps
 from boom_mj.effects import Effect
 from boom_mj.errors import BoomError

@@ -21,11 +21,12 @@ from scipy.special import stdtrit
 
 from boom_mj.diagnosis.answer import plain
 from boom_mj.diagnosis.clock import Clock
-from boom_mj.diagnosis.diagnose import Diagnosis, diagnose
+from boom_mj.diagnosis.conclusion import Diagnosis
+from boom_mj.diagnosis.diagnose import diagnose
 from boom_mj.diagnosis.growth import fitted_alone
 from boom_mj.diagnosis.healthy import as_built
 from boom_mj.diagnosis.linearisation import Linearisation, linearise
-from boom_mj.diagnosis.named import described, located, named_as_causes
+from boom_mj.diagnosis.named import described, located
 from boom_mj.recording import Recording
 from boom_mj.systems.predictor import Predictor, dataset_of
 from boom_mj.systems.system import System
@@ -98,7 +99,7 @@ def watch(system: System, healthy: Sequence[Recording], logs: Sequence[Recording
     shows = {k: states[k].statistic for k in changed[-2:]}
     most = max(shows, key=shows.__getitem__)
     found = _diagnosed(built, logs[most], [logs[k] for k in shows], since if most == first else 0.0, clock)
-    if found.best and any(named_as_causes(found)):
+    if found.best and any(found.named):
         for k, state in enumerate(states):
             if clock.over(f"sizes in {state.log}"):
                 break
@@ -111,7 +112,7 @@ def watch(system: System, healthy: Sequence[Recording], logs: Sequence[Recording
 
 def _causes(found: Diagnosis, effects: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     """Of entries for all effects of the best explanation those that the verdict names."""
-    return [effect for effect, so in zip(effects, named_as_causes(found)) if so]
+    return [effect for effect, so in zip(effects, found.named) if so]
 
 
 def _diagnosed(built: System, log: Recording, last: Sequence[Recording], since_s: float, clock: Clock) -> Diagnosis:
