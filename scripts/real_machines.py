@@ -131,12 +131,12 @@ def pendulum(answer: Answer) -> dict[str, bool]:
 
 
 def beam(answer: Answer) -> dict[str, bool]:
-    """Of its owners' Young's modulus the tone tells the ratio to the density alone."""
+    """Of its owners' Young's modulus the tone tells the ratio to the density alone; what relaxes damps, too."""
     damping = sizes(answer, "link_damping", link="beam").get("relaxation_time")
     spring = [effect for effect in answer["effects"] if effect["id"] in ("link_stiffness", "link_density")]
     others = {effect["id"] for effect in answer["effects"]} - {"link_damping", "relaxing_stiffness"}
     return {
-        "damped by 2 to 4 ms": bool(damping) and damping["low"] > 2e-3 and damping["high"] < 4e-3,
+        "damped by 2 to 4 ms": bool(damping) and 2e-3 < damping["value"] < 4e-3 and damping["low"] > 1e-3,
         "as stiff as published": all(abs(one["parameters"]["factor"]["value"] - 1) < 0.03 for one in spring),
         "nothing else": others <= {one["id"] for one in spring},
         "falls silent the same way": answer["gap"]["holdout"]["after"] < 2,
