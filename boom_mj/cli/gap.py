@@ -214,8 +214,9 @@ def _summary(answer: dict[str, Any]) -> str:
     from boom_mj.effects import behind
 
     lines = [f"{answer['verdict']}: {answer['sentence']}", ""]
-    for effect in answer["effects"] or answer["suspect"]:
-        lines.append(f"  {_named(effect)}")
+    suspects = [("suspect ", effect) for effect in answer["suspect"]]
+    for kind, effect in (*(("", effect) for effect in answer["effects"]), *suspects):
+        lines.append(f"  {kind}{_named(effect)}")
         for name, p in effect["parameters"].items():
             interval = " .. ".join("inf" if p[end] is None else f"{p[end]:z.4g}" for end in ("low", "high"))
             size = f"{p['value']:z.4g}{behind(p['unit'])}"

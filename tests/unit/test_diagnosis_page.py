@@ -130,6 +130,7 @@ def test_the_verdict_is_told() -> None:
         assert "Tip payload, and something else" in words[case]
         assert "Causes that are sure, though something is left" in words[case]
         assert "does not explain enough" not in words[case]
+        assert ("Suspects: what else helps" in words[case]) == (case != "partial")
     assert "raises the gap" in words["explained"]
     assert "with causes" not in words["consistent"]
 

@@ -31,6 +31,11 @@ NEXT = {
     "unexplained": "See where it lies and what is left, below; gap discover looks for a law that no library has.",
 }
 LEFT_OUT = "Look at the sensor that was left out, its mount and plug; if it is sound, at what acts on it alone."
+NOTHING_SURE = "No cause is sure"
+SURE = "What the machine has and the nominal model lacks"
+SURE_IN_PART = "Causes that are sure, though something is left"
+SUSPECTS = "The best suspect, which does not explain enough or may be nothing"
+SUSPECTS_BESIDE = "Suspects: what else helps, though others may do the same"
 RIGHT = {
     "consistent": "that nothing is wrong, what these recordings do not show included",
     "explained": "that this is all there is, what these recordings do not show included",
@@ -44,13 +49,12 @@ def section(view: View) -> Section:
     answer = view.answer
     return Section(
         "verdict",
-        headline(answer),
+        NOTHING_SURE if view.found.closed_by_little else headline(answer),
         {
             "verdict": answer["verdict"],
             "sentence": spoken(answer["sentence"]),
             "figures": figures(view),
-            "effects": [row for effect in answer["effects"] or answer["suspect"] for row in rows(effect)],
-            "suspect": not answer["effects"],
+            "tables": tables(answer),
             "physics": {effect.id: physics(effect) for effect in view.effects},
             "ties": [explanation_name(tie) for tie in _ties(view)],
             "next_experiment": answer["next_experiment"],
@@ -61,6 +65,14 @@ def section(view: View) -> Section:
     )
 
 
+def tables(answer: Mapping[str, Any]) -> list[tuple[str, list[dict[str, str]]]]:
+    """Caption and rows of the causes that are sure, and of suspects."""
+    sure, suspects = ([row for effect in answer[kind] for row in rows(effect)] for kind in ("effects", "suspect"))
+    said = SURE_IN_PART if answer["verdict"] == "partial" else SURE
+    beside = SUSPECTS_BESIDE if sure else SUSPECTS
+    return [(caption, own) for caption, own in ((said, sure), (beside, suspects)) if own]
+
+
 def headline(answer: Mapping[str, Any]) -> str:
     """The verdict in a few words."""
     names = " and ".join(effect_name(effect) for effect in answer["effects"])
@@ -68,7 +80,7 @@ def headline(answer: Mapping[str, Any]) -> str:
         case "consistent":
             return "Simulator and machine agree"
         case "unexplained":
-            return "No cause is sure" if answer["ties"] else "No effect of the library explains the gap"
+            return NOTHING_SURE if answer["ties"] else "No effect of the library explains the gap"
         case "ambiguous":
             others = ", or ".join(explanation_name(tie) for tie in answer["ties"][0][1:])
             return f"{capital(names)}, or {others}"
@@ -89,7 +101,8 @@ def figures(view: View) -> list[tuple[str, str, str]]:
         ),
         ("Gap in training", _fall(gap["train"], view.corrected), "the recordings that the fit has seen"),
     ]
-    found.append(("Probability", percent(view.answer["probability"]), RIGHT[view.answer["verdict"]]))
+    right = RIGHT[view.answer["verdict"]] + ", or a little of much" * view.found.closed_by_little
+    found.append(("Probability", percent(view.answer["probability"]), right))
     if view.corrected and gap["closure"] is not None and gap["holdout"]["before"] > 1:
         low, high = gap["closure_interval"]
         span = "" if low is None or high is None else f"95 % interval {percent(low)} to {percent(high)}"
