@@ -123,12 +123,11 @@ def odds(
     if not scored:
         healthy = float(np.mean(before <= criteria.healthy_gap))
         return Odds((), unknown * (1 - healthy), healthy, (1 - unknown) * (1 - healthy), *unshown)
-    price = after * (1 + criteria.parameter_cost * np.array([len(one.fit.scaled) for one in scored]))
-    first = np.argmin(np.where(after <= criteria.enough(before)[:, None], price, np.inf), axis=1)
-    suffices = after[np.arange(count), first] <= criteria.enough(before)
+    right = _right(scored, after, after <= criteria.enough(before)[:, None])
+    suffices = right.any(axis=1)
     fall = before**2 - after.min(axis=1) ** 2
     none = (before <= criteria.healthy_gap) & (fall <= criteria.least_gain)
-    chosen = np.bincount(first[suffices & ~none], minlength=len(scored)) / count
+    chosen = right[~none].sum(axis=0) / count
     alike = outside * (criteria.fooled + (np.zeros(len(scored)) if mimicked is None else np.minimum(mimicked, 1.0)))
     alike = alike / (alike + (1 - outside) * (1 - criteria.missed))
     left = float(np.mean(~suffices & ~none))
@@ -139,6 +138,26 @@ def odds(
         (1 - unknown) * left,
         *unshown,
     )
+
+
+def _right(scored: Sequence[Scored], after: Array, suffices: Array) -> Array:
+    """Which explanation is the right one in every draw, (draws, explanations): of those that suffice the cheapest.
+
+    Where `gain_z` decides, all that leave as little (`least_gain`) by as few causes are right alike: of what a machine
+    has a little, no model tells.
+    """
+    criteria, rows = scored[0].model.criteria, np.arange(len(after))
+    if not criteria.gain_z:
+        price = after * (1 + criteria.parameter_cost * np.array([len(one.fit.scaled) for one in scored]))
+        first = np.argmin(np.where(suffices, price, np.inf), axis=1)
+        right = np.zeros(after.shape)
+        right[rows, first] = suffices[rows, first]
+        return right
+    squares = np.where(suffices, after**2, np.inf)
+    close = suffices & (squares <= squares.min(axis=1, keepdims=True) + criteria.least_gain)
+    causes = np.where(close, [len(one.fit.effects) for one in scored], np.inf)
+    alike = close & (causes == causes.min(axis=1, keepdims=True))
+    return alike / np.maximum(alike.sum(axis=1, keepdims=True), 1)
 
 
 def inclusion(found: Odds, scored: Sequence[Scored], effect: Effect) -> float:

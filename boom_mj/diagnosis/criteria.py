@@ -70,7 +70,7 @@ class Criteria:
     unnamed: float = number(
         0.0,
         "sizes worth finding",
-        "of every effect that is not named, by which sizes are unsure: with 0.1 192 of 200 sizes of opened benches are "
+        "of every effect that is not named, by which sizes are unsure: with 0.1 196 of 206 sizes of opened benches are "
         "inside, half of the small effects left out or none; 0: what is named is all there is, as on booms",
     )
     leakage: float = number(0.01, "share", "of the mean square closed, that an effect's own inaccuracy may leave")

@@ -100,8 +100,7 @@ def probability_of_all(found: Diagnosis) -> float:
     """
     odds = found.odds
     if found.verdict == "unexplained":
-        little = odds.explanations[found.scored.index(found.best)] if found.best and found.closed_by_little else 0.0
-        return odds.outside_library + little
+        return odds.outside_library + found.closed_by_little * sum(odds.explanations)
     if found.best is None:
         return odds.none * (1 - odds.unwell)
     named = [probability(found, e) for e, so in zip(found.best.fit.effects, found.named) if so]

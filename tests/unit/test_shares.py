@@ -1,10 +1,13 @@
 """Shares of causes add up to what they close together, whether all orders of adding are tried or some."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from boom_mj.diagnosis.budget import MOST_SUBSETS, odds, shapley, subsets_of
 from boom_mj.diagnosis.candidate import Candidate
+from boom_mj.diagnosis.criteria import BOOM, MJCF, Criteria
 from boom_mj.diagnosis.fitting import Fit
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.scoring import Scored
@@ -52,3 +55,20 @@ def test_odds_add_up_and_what_mimics_others_is_less_sure(model: Linearisation, l
     else:
         assert found[0] == found[2] and found[0].explanations == (0.0,)
         assert found[0].outside_library > found[0].combination > 0
+
+
+def test_explanations_that_leave_as_little_by_as_few_causes_are_as_likely(model: Linearisation) -> None:
+    """On a machine whose every part may be a little off; of a boom the cheapest alone."""
+    size = len(model.noise.weight)
+    parts = [1.2, 1.21, 1.3, 1.19]
+
+    def found(criteria: Criteria) -> tuple[float, ...]:
+        here = replace(model, criteria=criteria)
+        scored = [explanation(here, np.full(size, left)) for left in parts]
+        two = replace(scored[3].fit, effects=scored[3].fit.effects * 2)
+        return odds(np.full(size, 5.0), [*scored[:3], replace(scored[3], fit=two)], here).explanations
+
+    alike = found(MJCF)
+    assert alike[0] == alike[1] > 0.4 and alike[2:] == (0.0, 0.0)
+    cheapest = found(replace(BOOM, explained_gap=1.5))
+    assert cheapest[3] > 0.9 and cheapest[:3] == (0.0, 0.0, 0.0)
