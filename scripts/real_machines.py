@@ -144,10 +144,14 @@ def beam(answer: Answer) -> dict[str, bool]:
 
 
 def flexible_joint(answer: Answer) -> dict[str, bool]:
-    """Steady speeds of `scope_data_deadzone_pos.mat`, by whatever form of friction and however strong the motor is."""
+    """Steady speeds of `scope_data_deadzone_pos.mat`, by whatever form of friction and however strong the motor is.
+
+    Beside which these sizes are the best, be that sure or a suspect.
+    """
     at_hub = [effect for effect in answer["effects"] if effect["location"] == {"joint": "hub"}]
     hub = [effect for effect in at_hub if rubs(effect, "hub")]
-    gain = sizes(answer, "actuator_gain", actuator="motor").get("factor", {"value": 1.0})["value"]
+    beside = {"effects": [*answer["effects"], *answer["suspect"]]}
+    gain = sizes(beside, "actuator_gain", actuator="motor").get("factor", {"value": 1.0})["value"]
 
     def voltage(speed: float) -> float:
         total = 0.87 * speed  # of the nominal model
