@@ -15,6 +15,7 @@ from boom_mj.diagnosis.outlying import Outlier
 from boom_mj.diagnosis.scoring import Scored, held_out_closure, simplest_gap
 from boom_mj.diagnosis.screening import Screened
 from boom_mj.diagnosis.stand_in import freed
+from boom_mj.effects import Effect
 from boom_mj.estimation.bootstrap import Closure, gap
 from boom_mj.systems.system import Designs, ResidualForce, ResidualForces, separating_experiments
 
@@ -101,7 +102,8 @@ class Diagnosis:
         effects = self.best.fit.effects
         if self.outliers and not self.ties:
             least = self.criteria.named_probability
-            return tuple(inclusion(self.odds, self.scored, effect) >= least for effect in effects)
+            likely = (inclusion(self.odds, self.scored, effect) >= least for effect in effects)
+            return tuple(so and self._shows(effect) for so, effect in zip(likely, effects))
         rivals = (*self.scored, *self.freed)
         return tuple(needed(self.best, rivals, self.as_built, effect) for effect in effects)
 
@@ -113,10 +115,11 @@ class Diagnosis:
         """
         if self.verdict == "partial":
             return self.sure
-        if self.best is None:
-            return ()
-        shows, every = self.best.shows, not self.criteria.unnamed
-        return tuple(self.solved and (every or shows(effect)) for effect in self.best.fit.effects)
+        return tuple(self.solved and self._shows(effect) for effect in (self.best.fit.effects if self.best else ()))
+
+    def _shows(self, effect: Effect) -> bool:
+        """Whether an effect of the best explanation is more than what a little of others could be taken for."""
+        return not self.criteria.unnamed or (self.best is not None and self.best.shows(effect))
 
     @property
     def closed_by_little(self) -> bool:
