@@ -146,18 +146,15 @@ def _right(scored: Sequence[Scored], after: Array, suffices: Array) -> Array:
     Where `gain_z` decides, all that leave as little (`least_gain`) by as few causes are right alike: of what a machine
     has a little, no model tells.
     """
-    criteria, rows = scored[0].model.criteria, np.arange(len(after))
+    criteria = scored[0].model.criteria
     if not criteria.gain_z:
         price = after * (1 + criteria.parameter_cost * np.array([len(one.fit.scaled) for one in scored]))
-        first = np.argmin(np.where(suffices, price, np.inf), axis=1)
-        right = np.zeros(after.shape)
-        right[rows, first] = suffices[rows, first]
-        return right
+        return np.eye(len(scored))[np.argmin(np.where(suffices, price, np.inf), axis=1)] * suffices
     squares = np.where(suffices, after**2, np.inf)
     close = suffices & (squares <= squares.min(axis=1, keepdims=True) + criteria.least_gain)
     causes = np.where(close, [len(one.fit.effects) for one in scored], np.inf)
-    alike = close & (causes == causes.min(axis=1, keepdims=True))
-    return alike / np.maximum(alike.sum(axis=1, keepdims=True), 1)
+    right = close & (causes == causes.min(axis=1, keepdims=True))
+    return right / np.maximum(right.sum(axis=1, keepdims=True), 1)
 
 
 def inclusion(found: Odds, scored: Sequence[Scored], effect: Effect) -> float:

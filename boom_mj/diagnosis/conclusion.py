@@ -81,7 +81,7 @@ class Diagnosis:
         ends = {id(one): change(one) for one in (self.best, *self.ties)}
         scored = tuple(ends.get(id(one), one) for one in self.scored)
         found = replace(self, best=ends[id(self.best)], ties=tuple(ends[id(one)] for one in self.ties), scored=scored)
-        return found if any(found.named) or not any(self.named) else replace(found, verdict="unexplained", ties=())
+        return found if any(found.named) or not any(self.named) else replace(found, verdict="unexplained")
 
     @property
     def solved(self) -> bool:

@@ -77,7 +77,8 @@ def test_where_a_little_of_another_may_do_it_nothing_is_sure(library: Library) -
     little = term(Square, 1, 0.18 * Square.table["size"].typical)
     answer = found(little, kind="mjcf", oscillatory=False)
     said = document(answer, ["first", "second"])
-    assert (said["verdict"], said["effects"], said["ties"]) == ("unexplained", [], []) and answer.closed_by_little
+    assert (said["verdict"], said["effects"]) == ("unexplained", []) and answer.closed_by_little
+    assert {one["id"] for one in said["ties"][0]} == {"square", "likeness"}
     (suspect,) = said["suspect"]
     assert suspect["parameters"]["size"]["low"] < 0 < suspect["parameters"]["size"]["high"]
     assert said["sentence"].startswith("No cause of the gap of") and said["probability"] > 0.6
