@@ -86,11 +86,15 @@ def _share(found: Diagnosis, number: int) -> dict[str, Any]:
 
 
 def probability(found: Diagnosis, effect: Effect) -> float:
-    """That the machine has an effect of the best explanation, whatever else it has."""
+    """That the machine has an effect of the best explanation, whatever else it has.
+
+    Of one whose sizes may be nothing it is less by the level at which they are not (`Scored.level`).
+    """
     assert found.best is not None
     if found.verdict == "partial" and not found.outliers and found.sure[found.best.fit.effects.index(effect)]:
         return 1 - found.criteria.shadow
-    return inclusion(found.odds, found.scored, effect)
+    nothing = found.criteria.unnamed and not found.best.shows(effect)
+    return inclusion(found.odds, found.scored, effect) * (found.best.level(effect) if nothing else 1.0)
 
 
 def probability_of_all(found: Diagnosis) -> float:

@@ -4,12 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import erf
 
 from boom_mj.diagnosis.fitting import Fit
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.effects import Effect
 from boom_mj.estimation.bootstrap import Closure, closure, gap
-from boom_mj.estimation.intervals import Z95, robust_variance
+from boom_mj.estimation.intervals import LEVEL, Z95, robust_variance
 from boom_mj.estimation.least_squares import OPTIONS
 from boom_mj.systems.system import Doubts, System
 
@@ -43,10 +44,14 @@ class Scored:
         owners = np.array([owner for owner, *_ in self.fit.candidate.parameters])
         return [scaled[owners == k] for k in range(len(self.fit.effects))]
 
+    def level(self, effect: Effect) -> float:
+        """Of the widest interval of one of an effect's sizes that leaves out where it does nothing."""
+        away = self.by_effect(np.abs(self.fit.scaled) / self.deviation)[self.fit.effects.index(effect)]
+        return float(erf(np.max(away, initial=0.0) / np.sqrt(2)))
+
     def shows(self, effect: Effect) -> bool:
         """Whether the 95 % interval of one of an effect's sizes leaves out where it does nothing."""
-        beyond = self.by_effect(np.abs(self.fit.scaled) > Z95 * self.deviation)
-        return bool(beyond[self.fit.effects.index(effect)].any())
+        return self.level(effect) > LEVEL
 
     def rivals(self, best: "Scored") -> bool:
         """Whether it fits training well enough beside another to be refined (`close`).

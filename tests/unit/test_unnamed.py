@@ -81,6 +81,7 @@ def test_where_a_little_of_another_may_do_it_nothing_is_sure(library: Library) -
     assert {one["id"] for one in said["ties"][0]} == {"square", "likeness"}
     (suspect,) = said["suspect"]
     assert suspect["parameters"]["size"]["low"] < 0 < suspect["parameters"]["size"]["high"]
+    assert suspect["probability"] == approx(answer.odds.explanations[answer.scored.index(answer.best)] * 0.93, rel=0.03)
     assert said["sentence"].startswith("No cause of the gap of") and said["probability"] > 0.6
 
 

@@ -86,8 +86,8 @@ def headline(answer: Mapping[str, Any]) -> str:
             return f"{capital(names)}, or {others}"
     if answer["verdict"] == "partial":
         return f"{capital(names)}, and something else"
-    several = len(answer["effects"]) > 1
-    return f"{capital(names)} {'explain' if several else 'explains'} the gap"
+    several, beside = len(answer["effects"]) > 1, " and what is beside" if answer["suspect"] else ""
+    return f"{capital(names)}{beside} {'explain' if several or beside else 'explains'} the gap"
 
 
 def figures(view: View) -> list[tuple[str, str, str]]:
