@@ -30,15 +30,15 @@ def main() -> None:
     parser.add_argument("--model", type=Path)
     parser.add_argument("--holdout", nargs="+", type=Path, default=[])
     given = parser.parse_args()
-    system, data = load_mjcf(given.logs, given.holdout, given.map, given.model)
+    machine = load_mjcf(given.logs, given.holdout, given.map, given.model)
     with threadpool_limits(1):
-        model = linearise(Predictor(system, data))
+        model = linearise(Predictor(machine.system, machine.data))
         nominal = model.clean(model.residual(model.base))
         kinds = [
             (kind, site)
             for name, kind in builtin().items()
             if name in PARAMETERS
-            for site in kind.allowed(system.sites())
+            for site in kind.allowed(machine.system.sites())
         ]
         felt = tuple(kind(site) for kind, site in kinds if _felt(model, (kind, site)))
         found = score(model, fit(model, Candidate(felt)))
@@ -46,8 +46,8 @@ def main() -> None:
         effect = found.fit.effects[number]
         place = "/".join(map(str, effect.location.values()))
         print(f"{effect.id:22} {place:10} {name:10} {effect.values[name]:10.4g} {parameter.unit}")
-    print(f"gap training {gap(nominal, data.train):.2f} -> {found.train:.2f}")
-    print(f"gap held out {gap(nominal, data.held_out):.2f} -> {found.held_out:.2f}")
+    print(f"gap training {gap(nominal, machine.data.train):.2f} -> {found.train:.2f}")
+    print(f"gap held out {gap(nominal, machine.data.held_out):.2f} -> {found.held_out:.2f}")
 
 
 def _felt(model: Linearisation, what: Kind) -> bool:

@@ -66,9 +66,9 @@ class RealMachine:
     def answer(self, data: Path) -> Answer:
         """Of the diagnosis of its recordings."""
         logs, held_out = ([data / path for path in paths] for paths in (self.train, self.held_out))
-        system, dataset = load_mjcf(logs, held_out, self.map)
-        found = diagnose(Predictor(system, dataset))
-        return document(found, [one.name for one in dataset.recordings])
+        given = load_mjcf(logs, held_out, self.map)
+        found = diagnose(Predictor(given.system, given.data))
+        return document(found, given.names, given.findings)
 
 
 def sizes(answer: Answer, name: str, **location: str) -> dict[str, dict[str, float]]:

@@ -19,12 +19,12 @@ from boom_mj.blind.task import mjcf_readme
 from boom_mj.effects import Effect, Site, builtin, parse_effect
 from boom_mj.effects.base import Cause
 from boom_mj.errors import EffectError, InputError, SimulationError
-from boom_mj.estimation.dataset import Dataset
 from boom_mj.files import inside, read_text, write_text
 from boom_mj.logs.columns import write_columns
 from boom_mj.systems.mjcf import MjcfSystem, load_mjcf
 from boom_mj.systems.mjcf.channel_map import ChannelMap, parse_channel_map
 from boom_mj.systems.predictor import Predictor
+from boom_mj.systems.recorded import RecordedMachine
 
 Array = np.ndarray
 PARTS = "train", "holdout"
@@ -129,7 +129,8 @@ def _recorded(bench: MjcfBench, effects: tuple[Effect, ...]) -> Predictor:
         bench.record(effects, np.random.default_rng(0), case)
         for name, text in bench.files.items():
             write_text(case / name, text)
-        return Predictor(*case_of_mjcf(case, case), threads=1)
+        given = case_of_mjcf(case, case)
+        return Predictor(given.system, given.data, threads=1)
 
 
 def _seen(bench: MjcfBench, effects: tuple[Effect, ...]) -> Array:
@@ -181,7 +182,7 @@ def _size(change: Array) -> float:
     return float(np.sqrt(np.mean(np.square(change))))
 
 
-def case_of_mjcf(case: Path, nominal: Path) -> tuple[MjcfSystem, Dataset]:
+def case_of_mjcf(case: Path, nominal: Path) -> RecordedMachine[MjcfSystem]:
     """The nominal machine of a folder, and the recordings of a case.
 
     Raises:

@@ -91,8 +91,7 @@ def read_case(case: Path) -> RecordedMachine:
     """The nominal machine that lies beside a case, and its recordings."""
     nominal = case.parent
     if (nominal / MAP).is_file():
-        system, data = case_of_mjcf(case, nominal)
-        return RecordedMachine(system, data, [log.name for log in data.recordings])
+        return case_of_mjcf(case, nominal)
     train, held_out = case_logs(case)
     boom = BoomSystem(parse_machine(read_text(nominal / MACHINE, MachineFileError)))
     checked = checked_data(boom, [*train, *held_out], len(train))

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from boom_mj.cli.arguments import check_machine, find_machine, machine_text
-from boom_mj.errors import InputError
+from boom_mj.errors import InputError, LogError
 
 if TYPE_CHECKING:
     from boom_mj.systems.recorded import RecordedMachine
@@ -38,7 +38,7 @@ def load_gap_data(
 
     check_machine(machine, channels, model)
     if channels is not None:
-        return _any_machine(logs, holdout, channels, model, healthy, tell)
+        return _any_machine(logs, holdout, channels, model, healthy, strict, tell)
     from boom_mj.logs import read_log
     from boom_mj.systems.boom import BoomSystem
     from boom_mj.systems.boom.load import checked_data
@@ -62,6 +62,7 @@ def _any_machine(
     channels: Path,
     model: Path | None,
     healthy: Sequence[Path],
+    strict: bool,
     tell: Callable[[str], None],
 ) -> "RecordedMachine":
     from boom_mj.diagnosis.clock import Clock
@@ -70,10 +71,12 @@ def _any_machine(
     from boom_mj.systems.predictor import dataset_of
     from boom_mj.systems.recorded import RecordedMachine
 
-    system: System
-    system, data = load_mjcf(logs, holdout, channels, model)
+    given: RecordedMachine = load_mjcf(logs, holdout, channels, model)
     if healthy:
-        plain, well = load_mjcf(healthy, healthy, channels, model)
-        system = as_built(plain, well.recordings[: well.training], Clock(tell=tell))
-        data = dataset_of(system, data.recordings, data.training)
-    return RecordedMachine(system, data, tuple(log.name for log in data.recordings))
+        well = load_mjcf(healthy, healthy, channels, model)
+        system = as_built(well.system, well.data.recordings[: well.data.training], Clock(tell=tell))
+        data = dataset_of(system, given.data.recordings, given.data.training)
+        given = RecordedMachine(system, data, given.names, (*well.findings, *given.findings))
+    if strict and given.findings:
+        raise LogError("\n".join(finding.sentence for finding in given.findings))
+    return given

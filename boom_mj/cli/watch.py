@@ -17,6 +17,7 @@ from boom_mj.cli.arguments import (
     check_machine,
     find_machine,
     output_path,
+    printable,
     stopwatch,
 )
 from boom_mj.errors import InputError
@@ -59,8 +60,11 @@ def command(
     tell(begins_afresh())
     system: System
     if channels is not None:
-        system, data = load_mjcf(healthy, logs, channels, model)
-        well, later = list(data.recordings[: data.training]), list(data.recordings[data.training :])
+        given = load_mjcf(healthy, logs, channels, model)
+        for finding in given.findings:
+            tell(printable(finding.sentence))
+        system, recordings, training = given.system, given.data.recordings, given.data.training
+        well, later = list(recordings[:training]), list(recordings[training:])
     else:
         well, later = ([read_log(path) for path in paths] for paths in (healthy, logs))
         names = {log.machine for log in (*well, *later) if log.machine}

@@ -27,18 +27,7 @@ def in_order(stamps: Array, values: Array, topic: str) -> tuple[Array, Array]:
     """
     if len(stamps) > 1 and not stamps.any():
         raise LogError('all header stamps are 0; say time = "log" in a topic map to use the times of recording')
-    step = np.diff(stamps)
-    if (step < 0).any():
-        i = int(np.argmin(step))
-        if -step[i] > LATE * 1e9 and not _late_ones(stamps):
-            i = int(np.flatnonzero(step < -LATE * 1e9)[0])
-            raise LogError(
-                f"the clock was set back: {stamps[i] / 1e9:.9f} s is followed by {stamps[i + 1] / 1e9:.9f} s; "
-                'say time = "log" in a topic map if the times of recording are sound'
-            )
-        _warn(f"{topic}: {(step < 0).sum()} messages, up to {-step[i] / 1e6:.1f} ms late, are put in their place")
-        order = np.argsort(stamps, kind="stable")
-        stamps, values = stamps[order], values[order]
+    stamps, values = put_in_place(stamps, values, topic, 'say time = "log" in a topic map')
     again = np.flatnonzero(np.diff(stamps) == 0) + 1
     if again.size:
         differs = again[(~np.isclose(values[again], values[again - 1], 0, 0, equal_nan=True)).any(axis=1)]
@@ -49,6 +38,27 @@ def in_order(stamps: Array, values: Array, topic: str) -> tuple[Array, Array]:
         keep = np.ones(len(stamps), bool)
         keep[again] = False
         stamps, values = stamps[keep], values[keep]
+    return stamps, values
+
+
+def put_in_place(stamps: Array, values: Array, topic: str, advice: str) -> tuple[Array, Array]:
+    """Samples in the order of their times; see `in_order`.
+
+    Args:
+        advice: how to use the times of recording.
+    """
+    step = np.diff(stamps)
+    if (step < 0).any():
+        i = int(np.argmin(step))
+        if -step[i] > LATE * 1e9 and not _late_ones(stamps):
+            i = int(np.flatnonzero(step < -LATE * 1e9)[0])
+            raise LogError(
+                f"the clock was set back: {stamps[i] / 1e9:.9f} s is followed by {stamps[i + 1] / 1e9:.9f} s; "
+                f"{advice} if the times of recording are sound"
+            )
+        _warn(f"{topic}: {(step < 0).sum()} messages, up to {-step[i] / 1e6:.1f} ms late, are put in their place")
+        order = np.argsort(stamps, kind="stable")
+        stamps, values = stamps[order], values[order]
     return stamps, values
 
 

@@ -2,14 +2,17 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 from boom_mj.estimation.dataset import Dataset
 from boom_mj.replay.quality import DataFinding
 from boom_mj.systems.system import System
 
+Kind = TypeVar("Kind", bound=System, covariant=True)
+
 
 @dataclass(frozen=True, eq=False)
-class RecordedMachine:
+class RecordedMachine(Generic[Kind]):
     """A system and its recordings, training first.
 
     Attributes:
@@ -17,7 +20,7 @@ class RecordedMachine:
         findings: what is wrong with the logs.
     """
 
-    system: System
+    system: Kind
     data: Dataset
     names: Sequence[str]
     findings: Sequence[DataFinding] = ()

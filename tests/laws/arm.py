@@ -71,7 +71,8 @@ def predictor() -> Predictor:
     columns = [time, angle, 0.03 * np.cos(time), 5 * np.cos(2 * time), push, 0.5 * np.sin(3 * time)]
     rows = "\n".join(",".join(f"{x:.9g}" for x in row) for row in zip(*columns))
     (folder / "log.csv").write_text("t,q,bend,tau,u,turn\n" + rows + "\n")
-    return Predictor(*load_mjcf([folder / "log.csv"], [], folder / "map.toml"))
+    given = load_mjcf([folder / "log.csv"], [], folder / "map.toml")
+    return Predictor(given.system, given.data)
 
 
 def system() -> MjcfSystem:

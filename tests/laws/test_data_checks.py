@@ -13,7 +13,7 @@ from boom_mj.effects import parse_effect
 from boom_mj.errors import LogError
 from boom_mj.machine import load_machine
 from boom_mj.recording import Recording, Signal
-from boom_mj.replay.quality import Action, check_channels, check_recordings
+from boom_mj.replay.quality import Action, check_recordings
 from boom_mj.replay.quality.check import Check, all_checks
 from boom_mj.replay.quality.kinds.states import groups_of
 from boom_mj.sensors import record
@@ -236,21 +236,6 @@ def test_noise_and_resolution_are_handed_on() -> None:
     checked = check_recordings(MACHINE, logs, TRAINING)
     assert np.allclose(checked.noise[1]["joint/position"], np.hypot(np.radians(0.02), step / np.sqrt(12)))
     assert checked.noise[0] == {}
-
-
-def test_channels_of_any_machine() -> None:
-    rng, time = np.random.default_rng(0), np.arange(0, 20, 0.01)
-    smooth = np.sin(time) + 0.01 * rng.normal(size=len(time))
-    spoiled = {
-        "sound": smooth,
-        "dead": np.where(time > 8, smooth[800], smooth),
-        "cut": np.minimum(smooth, 0.7),
-        "spiky": smooth + 3.0 * (rng.random(len(time)) < 0.01),
-        "coarse": 0.2 * np.round(smooth / 0.2),
-    }
-    log = Recording("x", "robot", "", {n: Signal(time, v[:, None], (n,), "rad", "") for n, v in spoiled.items()})
-    found = {(f.kind, f.channel) for f in check_channels([log]).findings}
-    assert found == {("constant", "dead"), ("saturated", "cut"), ("spiky", "spiky"), ("quantised", "coarse")}
 
 
 def test_every_check_says_what_it_is() -> None:

@@ -35,7 +35,8 @@ def there(machine: RealMachine) -> None:
 def test_maps_fit_their_models_and_logs(machine: RealMachine) -> None:
     """Every set is simulated from its nominal model; its gap is there to be explained."""
     there(machine)
-    system, data = load_mjcf([REAL / machine.train[0]], [], machine.map)
+    given = load_mjcf([REAL / machine.train[0]], [], machine.map)
+    system, data = given.system, given.data
     (nominal,) = Predictor(system, data).predict([()], system.facts.fidelity.middle, data.trained)
     misses = ((data.measured - nominal) / data.noise)[data.train]
     assert 1 < float((misses**2).mean() ** 0.5) < 1e3

@@ -8,6 +8,7 @@ import pytest
 
 from boom_mj.errors import ChannelMapError
 from boom_mj.systems.mjcf.channel_map import parse_channel_map
+from boom_mj.systems.mjcf.log_table import read_table
 from boom_mj.systems.mjcf.segments import stretches_of
 from boom_mj.systems.mjcf.settings import with_settings
 from boom_mj.systems.mjcf.system import BASE, MjcfSystem
@@ -88,7 +89,7 @@ def test_a_told_load_and_step_are_in_the_nominal_model_of_its_log_alone(tmp_path
         path = tmp_path / name
         path.parent.mkdir(exist_ok=True)
         np.savetxt(path, rows, delimiter=",", header="t,u,x", comments="")
-        runs[name] = stretches_of(path, channels)
+        runs[name] = stretches_of(read_table(path, channels))
     assert [len(parts) for parts in runs.values()] == [2, 3]
     assert runs["loaded/a.csv"][0]["start"].time[0] == pytest.approx(1.0)
     system = MjcfSystem(spec(), channels, [*runs["loaded/a.csv"], *runs["b.csv"]], {"cart": 1e-3})
@@ -103,5 +104,5 @@ def test_jumps_of_a_turn_are_undone(tmp_path: Path) -> None:
     time, path = np.arange(0, 6, 0.01), tmp_path / "b.csv"
     rows = np.stack([time, time, (0.7 * time) % 1.5], axis=1)
     np.savetxt(path, rows, delimiter=",", header="t,u,x", comments="")
-    for part in stretches_of(path, channels):
+    for part in stretches_of(read_table(path, channels)):
         assert part["cart"].values[:, 0] == pytest.approx(1.4 * part["cart"].time)

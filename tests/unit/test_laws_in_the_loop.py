@@ -173,7 +173,8 @@ def test_the_law_of_a_free_joint_is_found(tmp_path: Path) -> None:
     (tmp_path / "map.toml").write_text(WHEEL_MAP)
     rows = "\n".join(f"{t:.3f},{torque(t):.9g},{q:.9g}" for t, q in zip(time, angle))
     (tmp_path / "log.csv").write_text("t,u,q\n" + rows + "\n")
-    wheel, data = load_mjcf([tmp_path / "log.csv"], [], tmp_path / "map.toml")
+    given = load_mjcf([tmp_path / "log.csv"], [], tmp_path / "map.toml")
+    wheel, data = given.system, given.data
     found = discover(Predictor(wheel, data))
     assert found.verdict == "law" and [term.name for term in found.best.terms] == ["drag"]
     assert found.best.scored.fit.effects[0].values["drag"] == pytest.approx(drag, rel=0.05)

@@ -40,7 +40,8 @@ def deviation(folder: Path, passes: int) -> float:
     torque += 0.01 * rng.standard_normal(len(time))
     rows = "\n".join(f"{t:.2f},{0.5 * np.sin(w * t):.8f},{u:.8f}" for t, u in zip(time, torque))
     (folder / "log.csv").write_text("t,q,u\n" + rows + "\n")
-    system, data = load_mjcf([folder / "log.csv"], [folder / "log.csv"], folder / "map.toml")
+    given = load_mjcf([folder / "log.csv"], [folder / "log.csv"], folder / "map.toml")
+    system, data = given.system, given.data
     kind = effect_library()["viscous_joint_friction"]
     (site,) = kind.allowed(system.sites())
     model = linearise(Predictor(system, data))

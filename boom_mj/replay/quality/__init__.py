@@ -6,7 +6,6 @@ A kind of finding is one file in `kinds/`; being there is being registered.
 from boom_mj.replay.quality.assessment import Quality as Quality
 from boom_mj.replay.quality.assessment import assess as assess
 from boom_mj.replay.quality.check import CheckedRecordings as CheckedRecordings
-from boom_mj.replay.quality.check import check_channels as check_channels
 from boom_mj.replay.quality.check import check_recordings as check_recordings
 from boom_mj.replay.quality.finding import Action as Action
 from boom_mj.replay.quality.finding import DataFinding as DataFinding

@@ -73,7 +73,6 @@ class Check(ABC):
 
     kind: ClassVar[str]
     turn: ClassVar[Turn]
-    of_any_machine: ClassVar[bool] = False  # whether it needs nothing but the samples
 
     @abstractmethod
     def look(self, evidence: Evidence) -> Iterator[Found]:
@@ -115,19 +114,10 @@ def check_recordings(
         training: how many of them are for training.
         names: of the recordings in findings, such as their paths; their own if left out.
     """
-    return _checked(Evidence(machine, recordings, names or _names(recordings), training), all_checks())
-
-
-def check_channels(recordings: Sequence[Recording], names: Sequence[str] = ()) -> CheckedRecordings:
-    """Look for what samples alone show to be wrong, in recordings of any machine."""
-    checks = [check for check in all_checks() if check.of_any_machine]
-    return _checked(Evidence(None, recordings, names or _names(recordings), len(recordings)), checks)
-
-
-def _checked(evidence: Evidence, checks: Sequence[Check]) -> CheckedRecordings:
+    evidence = Evidence(machine, recordings, names or _names(recordings), training)
     findings: list[tuple[int, DataFinding]] = []
     noise: dict[int, dict[str, Array]] = {}
-    for found in _looked(evidence, checks):
+    for found in _looked(evidence):
         findings.append((found.index, found.finding))
         evidence.recordings[found.index] = found.edit(evidence.recordings[found.index])
         for name, level in found.noise.items():
@@ -145,10 +135,10 @@ def _checked(evidence: Evidence, checks: Sequence[Check]) -> CheckedRecordings:
     )
 
 
-def _looked(evidence: Evidence, checks: Sequence[Check]) -> Iterator[Found]:
+def _looked(evidence: Evidence) -> Iterator[Found]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # of channels without any number, which numpy calls empty
-        for check in checks:
+        for check in all_checks():
             yield from check.look(evidence)
 
 

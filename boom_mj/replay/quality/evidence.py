@@ -8,7 +8,6 @@ import numpy as np
 from boom_mj.errors import BoomError
 from boom_mj.machine import Machine
 from boom_mj.recording import Recording, Signal
-from boom_mj.replay.quality.channels import own_noise
 from boom_mj.replay.quality.edits import DRIVE
 from boom_mj.replay.quality.finding import Action, DataFinding, Repair
 from boom_mj.replay.replay import Replay, replay
@@ -23,7 +22,7 @@ class Evidence:
     """A set of recordings.
 
     Args:
-        machine: nominal; None for recordings of any machine, whose channels are judged by themselves.
+        machine: nominal.
         recordings: for training first.
         names: of the recordings, in findings.
         training: how many are for training.
@@ -33,14 +32,12 @@ class Evidence:
         left_out: indices of recordings that are not to be used at all.
     """
 
-    def __init__(
-        self, machine: Machine | None, recordings: Sequence[Recording], names: Sequence[str], training: int
-    ) -> None:
+    def __init__(self, machine: Machine, recordings: Sequence[Recording], names: Sequence[str], training: int) -> None:
         self.machine, self.names, self.training = machine, tuple(names), training
         self.recordings = list(recordings)
         self.left_out: set[int] = set()
-        self.levels = noise_levels(machine) if machine else {}
-        self.rates = sample_rates(machine) if machine else {}
+        self.levels = noise_levels(machine)
+        self.rates = sample_rates(machine)
         self._twins: dict[tuple[int, ...], tuple[Recording, Replay | None]] = {}
         self._dense: dict[int, dict[str, Signal]] = {}
         self._sampled: dict[tuple[int, str, int, float], Array] = {}
@@ -54,9 +51,7 @@ class Evidence:
     def measured(self, index: int) -> tuple[str, ...]:
         """Names of a recording's signals that have noise, joint angles among them."""
         log = self.recordings[index]
-        if self.machine is not None:
-            return tuple(name for name in self.levels if name in log)
-        return tuple(name for name, signal in log.signals.items() if len(signal.time) > 1)
+        return tuple(name for name in self.levels if name in log)
 
     def sensors(self, index: int) -> dict[str, list[str]]:
         """Sensor -> names of its signals, of all that a recording has."""
@@ -66,10 +61,8 @@ class Evidence:
         return found
 
     def noise(self, index: int, name: str) -> Array:
-        """Standard deviation of a signal's channels, (k,): of the machine file, or their own where there is none."""
-        if name in self.levels:
-            return np.asarray(self.levels[name], float)
-        return np.array([own_noise(column) for column in self.recordings[index][name].values.T])
+        """Standard deviation of a signal's channels, (k,), of the machine file."""
+        return np.asarray(self.levels[name], float)
 
     def start(self, index: int) -> float:
         """Stamp from which times in findings count: of the first joint angle, or of the first sample of all."""
@@ -81,7 +74,6 @@ class Evidence:
     @cached_property
     def plant(self) -> Plant:
         """The nominal model, as coarse as it may be: what is compared differs by more than its error."""
-        assert self.machine is not None
         return make_plant(self.machine, 1)
 
     def twin(self, index: int) -> Replay | None:

@@ -1,23 +1,24 @@
-"""From files to an MJCF machine and its dataset."""
+"""From files to an MJCF machine and its recordings."""
 
 from collections.abc import Sequence
 from pathlib import Path
 
 from boom_mj.errors import InputError
-from boom_mj.estimation.dataset import Dataset
 from boom_mj.files import inside
 from boom_mj.systems.mjcf.channel_map import load_channel_map
+from boom_mj.systems.mjcf.log_table import read_table
 from boom_mj.systems.mjcf.model_file import load_model
 from boom_mj.systems.mjcf.segments import noise_of, split, stretches_of
 from boom_mj.systems.mjcf.system import MjcfSystem
 from boom_mj.systems.predictor import dataset_of
+from boom_mj.systems.recorded import RecordedMachine
 
 MOST_STEPS = 10**6  # of a stretch
 
 
 def load_mjcf(
     logs: Sequence[Path], held_out: Sequence[Path], map_file: Path, model_file: Path | None = None
-) -> tuple[MjcfSystem, Dataset]:
+) -> RecordedMachine[MjcfSystem]:
     """An MJCF machine, with logs to learn from and logs to judge by; without any, a log's end is held out.
 
     Raises:
@@ -31,13 +32,17 @@ def load_mjcf(
     window, step = channels.settle + channels.window, spec.option.timestep
     if window > MOST_STEPS * step:
         raise InputError(f"{map_file}: a window of {window} s is too long for steps of {step} s, those of {path}")
+    tables = [read_table(log, channels) for log in logs]
+    judges = [read_table(log, channels) for log in held_out]
     train, judged = [], []
-    for log in logs:
-        found = stretches_of(log, channels)
+    for table in tables:
+        found = stretches_of(table)
         first = len(found) if held_out else split(found, channels.train)
         train += found[:first]
         judged += found[first:]
-    for log in held_out:
-        judged += stretches_of(log, channels)
-    system = MjcfSystem(spec, channels, train, noise_of(logs[0], channels))
-    return system, dataset_of(system, [*train, *judged], len(train))
+    for table in judges:
+        judged += stretches_of(table)
+    system = MjcfSystem(spec, channels, train, noise_of(tables[0]))
+    data = dataset_of(system, [*train, *judged], len(train))
+    findings = dict.fromkeys(finding for table in (*tables, *judges) for finding in table.findings)
+    return RecordedMachine(system, data, tuple(log.name for log in data.recordings), tuple(findings))

@@ -1,31 +1,30 @@
 """Logs through a channel map, cut into stretches: each is simulated afresh from the state it begins with."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
-from boom_mj.errors import ChannelMapError, LogError
+from boom_mj.errors import LogError
 from boom_mj.estimation.blocks import own_noise
-from boom_mj.files import inside
-from boom_mj.logs.columns import read_columns
 from boom_mj.recording import Recording, Signal
 from boom_mj.systems.mjcf.channel_map import ChannelEntry, ChannelMap
+from boom_mj.systems.mjcf.log_table import LogTable, Span, within
 
 Array = np.ndarray
 ORDER = 4  # of the Butterworth filter, run both ways
 EDGE = 2.0  # periods of the cutoff
 MOST_STRETCHES = 10_000
+UNEVEN = 0.5  # steps by which stamps may be off even ones to be taken for them
 SHORTEST = 0.5  # of a window, below which a rest is left out
 SHAKEN = "shaken/"  # measured motion with its noise once more, before the name of its signal
 UNSURE = "unsure/"  # standard deviation of a measured state, before its joint
 
 
-def stretches_of(path: Path, channels: ChannelMap) -> list[Recording]:
-    """A log in stretches of `channels.window` seconds.
+def stretches_of(table: LogTable) -> list[Recording]:
+    """A log in stretches of `channels.window` seconds, none of them across a gap.
 
     Every stretch holds its channels by name, driving motion smooth, of other joints the measured motion "motion/JOINT"
     and the state at its start, "start/JOINT": one sample of position and speed; motion with noise added once more under
@@ -35,41 +34,40 @@ def stretches_of(path: Path, channels: ChannelMap) -> list[Recording]:
     `MjcfSystem` applies to the model, and what drives reaches some periods beyond what is compared.
 
     Raises:
-        LogError: fields that are not there, times that do not increase, holes in what drives, a log that is too short.
+        LogError: a log that is too short.
     """
-    table = _table(path, channels)
-    time = _checked_time(path, table[channels.time] * channels.time_scale)
-    values = {entry.name: _value(entry, table) for entry in channels.channel}
+    path, channels, time = table.path, table.channels, table.time
+    bridged = {entry.name: table.bridged(entry) for entry in channels.channel}
     edge = EDGE / channels.cutoff
     margin = edge if channels.driven else 0.0
-    for entry in channels.channel:
-        if len(values[entry.name]) != len(time):
-            raise LogError(f"{path}: {entry.name} has {len(values[entry.name])} samples, its time {len(time)}")
-        if entry.role != "compare" and not np.isfinite(values[entry.name]).all():
-            raise LogError(f"{path}: {entry.name} has no value at {time[np.argmin(np.isfinite(values[entry.name]))]} s")
-    motions = _motions(time, values, channels)
-    values |= {motion.entry.name: motion.smooth for motion in motions if motion.entry.role == "drive"}
-    if channels.driven:
-        for entry in channels.role("compare"):
+    motions = _motions(time, bridged, channels)
+    values = bridged | {motion.entry.name: motion.smooth for motion in motions if motion.entry.role == "drive"}
+    for entry in channels.role("compare"):
+        if channels.driven:
             values[entry.name] = smoothed(time, values[entry.name], channels.compared_cutoff)
+        lost = within(time, table.holes[entry.name], margin) | ~np.isfinite(table.values[entry.name])
+        values[entry.name] = np.where(lost, np.nan, values[entry.name])
     known = channels.of_log(path)
     stop = channels.stop if known.stop is None else known.stop
     end = min(time[-1] - margin, stop if stop is not None else np.inf)
     first = max(time[0] + edge, channels.start if known.start is None else known.start)
-    if channels.release is not None:
-        first = max(first, released(time, table[channels.release.field], channels.release.moves))
+    if channels.release is not None and table.let_go is not None:
+        first = max(first, released(time, table.let_go, channels.release.moves))
     for entry in channels.channel:
         if entry.relative:
-            values[entry.name] = values[entry.name] - np.nanmean(values[entry.name][time <= first])
+            values[entry.name] = values[entry.name] - np.mean(bridged[entry.name][time <= first])
     if end - first > MOST_STRETCHES * channels.window:
         raise LogError(f"{path} lasts {end - first:.4g} s: too long for a window of {channels.window} s")
-    begins = np.arange(first + channels.settle, end - SHORTEST * channels.window, channels.window)
-    if not begins.size:
+    spans = [
+        (begin, min(begin + channels.window, until))
+        for since, until in _between(first, end, table.gaps, edge, margin)
+        for begin in np.arange(since + channels.settle, until - SHORTEST * channels.window, channels.window)
+    ]
+    if not spans:
         after = f" that begins {channels.settle} s late" * bool(channels.settle)
         raise LogError(f"{path} lasts {time[-1] - time[0]:.2f} s: too short for a window of {channels.window} s{after}")
     found = []
-    for begin in begins:
-        until = min(begin + channels.window, end)
+    for begin, until in spans:
         early = begin - channels.settle - margin
         inside = (time >= early - 1e-9) & (time < until + margin - 1e-9)
         late = (time >= begin - 1e-9) & (time < until - 1e-9)
@@ -86,23 +84,32 @@ def stretches_of(path: Path, channels: ChannelMap) -> list[Recording]:
     return found
 
 
-def noise_of(path: Path, channels: ChannelMap) -> dict[str, float]:
+def _between(first: float, end: float, gaps: Sequence[Span], edge: float, margin: float) -> Iterator[Span]:
+    """What gaps leave of a log; they are to it as its own ends."""
+    for begin, until in gaps:
+        yield first, min(begin - margin, end)
+        first = max(first, until + edge)
+    yield first, end
+
+
+def noise_of(table: LogTable) -> dict[str, float]:
     """Noise per sample of compared channels: what their differences show, and what differs between passes.
 
     Passes are compared by means over blocks, of which `channels.repeat` should be a whole number; what differs is
     spread over the samples of a block as white noise would be.
     """
-    table = _table(path, channels)
-    time, found = _checked_time(path, table[channels.time] * channels.time_scale), {}
+    channels, time, found = table.channels, table.time, {}
     count = max(1, round(channels.block_s * (len(time) - 1) / (time[-1] - time[0])))
     for entry in channels.role("compare"):
-        values = _value(entry, table)
+        values = table.values[entry.name]
         found[entry.name] = _noise(entry, values)
         if channels.repeat is not None:
             lag = round(channels.repeat / channels.block_s)
-            means = values[: len(values) // count * count].reshape(-1, count).mean(axis=1)
+            means = values[: len(values) // count * count].reshape(-1, count)
+            means = np.nanmean(means, axis=1)
             if len(means) < 2 * lag:
-                raise LogError(f"{path}: {time[-1] - time[0]:.1f} s hold no two passes of repeat = {channels.repeat} s")
+                lasts = f"{table.path}: {time[-1] - time[0]:.1f} s"
+                raise LogError(f"{lasts} hold no two passes of repeat = {channels.repeat} s")
             between = float(np.nanstd(means[lag:] - means[:-lag]) / np.sqrt(2) * np.sqrt(count))
             found[entry.name] = max(found[entry.name], between)
     return found
@@ -124,32 +131,14 @@ def released(time: Array, values: Array, moves: float) -> float:
 
 
 def smoothed(time: Array, values: Array, cutoff: float) -> Array:
-    """Evenly sampled values through a filter without phase, (n,)."""
+    """Values through a filter without phase, (n,); unevenly sampled ones on even times."""
     rate = (len(time) - 1) / (time[-1] - time[0])
     if cutoff >= 0.45 * rate or len(time) < 60:
         return values
-    return sosfiltfilt(butter(ORDER, cutoff, fs=rate, output="sos"), values)
-
-
-def _table(path: Path, channels: ChannelMap) -> dict[str, Array]:
-    """All fields of a log; `FILE:field` stands in a file beside it, sample for sample."""
-    release = {channels.release.field} if channels.release else set()
-    fields = {channels.time, *release, *(f for entry in channels.channel for f in entry.fields)}
-    found: dict[str, Array] = {}
-    for beside in {field.rpartition(":")[0] for field in fields}:
-        mine = {field: field.rpartition(":")[2] for field in fields if field.rpartition(":")[0] == beside}
-        columns = read_columns(inside(path.parent, beside, ChannelMapError, path) if beside else path, mine.values())
-        found |= {field: columns[name] for field, name in mine.items()}
-    return found
-
-
-def _value(entry: ChannelEntry, table: dict[str, Array]) -> Array:
-    logged = table[entry.field] if entry.field else sum(factor * table[field] for field, factor in entry.terms.items())
-    if entry.wrap is not None:
-        logged = np.unwrap(logged, period=entry.wrap)
-    if entry.limit is not None:
-        logged = np.clip(logged, -entry.limit, entry.limit)
-    return entry.scale * np.asarray(logged) + entry.offset
+    even, sections = time[0] + np.arange(len(time)) / rate, butter(ORDER, cutoff, fs=rate, output="sos")
+    if np.abs(even - time).max() < UNEVEN / rate:
+        return sosfiltfilt(sections, values)
+    return np.interp(time, even, sosfiltfilt(sections, np.interp(even, time, values)))
 
 
 def _noise(entry: ChannelEntry, values: Array) -> float:
@@ -197,8 +186,8 @@ class _Motion:
 
 
 def _motions(time: Array, values: dict[str, Array], channels: ChannelMap) -> list[_Motion]:
-    """Of all channels of joints that have no hole."""
-    moving = [e for e in channels.channel if e.joint and np.isfinite(values[e.name]).all()]
+    """Of all channels of joints."""
+    moving = [entry for entry in channels.channel if entry.joint]
     white = np.random.default_rng(0).normal(size=(len(moving), len(time)))
     found = []
     for entry, noise in zip(moving, white):
@@ -206,12 +195,3 @@ def _motions(time: Array, values: dict[str, Array], channels: ChannelMap) -> lis
         both = (smoothed(time, one, channels.cutoff) for one in (own, own + noise * _noise(entry, own)))
         found.append(_Motion(entry, time, *both))
     return found
-
-
-def _checked_time(path: Path, time: Array) -> Array:
-    if len(time) < 10 or not np.isfinite(time).all():
-        raise LogError(f"{path}: the time has {len(time)} samples, of which {int(np.isnan(time).sum())} are empty")
-    if (back := np.flatnonzero(np.diff(time) <= 0)).size:
-        at = back[0]
-        raise LogError(f"{path}: times must increase, but {time[at]:.6f} s is followed by {time[at + 1]:.6f} s")
-    return time

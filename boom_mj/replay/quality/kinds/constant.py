@@ -14,8 +14,6 @@ from boom_mj.replay.quality.finding import Action
 Array = np.ndarray
 COARSE = 2.0  # times the noise: in steps as wide a channel repeats itself in good health
 STILL = 5.0  # times the noise, by which a command must move for a joint that rests to be wrong
-LONG = 0.1  # of a recording, that a channel must stand if its noise is not known: friction makes things stand
-FEW_LEVELS = 50  # of a channel that has no known noise: with fewer it is a switch or a coarse encoder
 
 
 class Constant(Check):
@@ -26,7 +24,6 @@ class Constant(Check):
 
     kind = "constant"
     turn = Turn.DEAD
-    of_any_machine = True
 
     def look(self, evidence: Evidence) -> Iterator[Found]:
         coarse = _coarsest(evidence)
@@ -60,15 +57,10 @@ class Constant(Check):
         for column, values in enumerate(signal.values.T):
             step, own = resolution(values) or coarse[name, column], _while_it_moves(values)
             level = min(noise[column] or own, own or noise[column])
-            if name in evidence.levels:
-                if step > COARSE * level:
-                    continue
-            elif level == 0 or len(np.unique(values)) < FEW_LEVELS:
+            if step > COARSE * level:
                 continue
             ends = limits(values, level)
             least = shortest_run(step, level)
-            if name not in evidence.levels:
-                least = max(least, int(LONG * len(values)))
             for start, stop in runs(values, least):
                 at_end = values[start] in ends and (values == values[start]).sum() > stop - start
                 bad[start:stop, column] = not at_end

@@ -18,7 +18,6 @@ class Lost(Check):
 
     kind = "dropped"
     turn = Turn.SAMPLES
-    of_any_machine = True
 
     def look(self, evidence: Evidence) -> Iterator[Found]:
         for index in evidence.indices:

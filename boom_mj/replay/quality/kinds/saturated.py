@@ -19,7 +19,6 @@ class Saturated(Check):
 
     kind = "saturated"
     turn = Turn.DEAD
-    of_any_machine = True
 
     def look(self, evidence: Evidence) -> Iterator[Found]:
         for index in evidence.indices:

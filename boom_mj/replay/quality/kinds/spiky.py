@@ -18,7 +18,6 @@ AROUND = 51  # samples
 ROUNDS = 12
 TOGETHER, AFTER = 0.06, 0.3  # s within which two sensors see one blow, and how long it rings
 FEWEST = 5  # left of them in a channel
-MOST = 0.05  # of the samples of a channel whose noise is not known: with more it is that kind of channel
 SHARE = 0.01  # of an accelerometer's samples: blows of play that it sees alone make half as many
 WHITE = np.sqrt(1 + 2 * (4 / 6) ** 2 + 2 * (1 / 6) ** 2)  # noise of sample less interpolation
 
@@ -34,7 +33,6 @@ class Spiky(Check):
 
     kind = "spiky"
     turn = Turn.SAMPLES
-    of_any_machine = True
 
     def look(self, evidence: Evidence) -> Iterator[Found]:
         for index in evidence.indices:
@@ -63,8 +61,6 @@ class Spiky(Check):
             columns = zip(signal.values.T, noise)
             levels = [(values, max(level, own_noise(values), resolution(values))) for values, level in columns]
             bad = np.stack([outliers(values, level) for values, level in levels], axis=1)
-            if name not in evidence.levels:
-                bad &= bad.mean(axis=0) < MOST
             if bad.any():
                 found[name] = bad
         return found

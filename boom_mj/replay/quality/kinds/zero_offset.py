@@ -32,7 +32,7 @@ class ZeroOffset(Check):
 
     def look(self, evidence: Evidence) -> Iterator[Found]:
         rests = {k: _rests(evidence, k) for k in evidence.indices}
-        noise = np.radians(evidence.machine.sensors.noise.joint_deg) if evidence.machine else 0.0
+        noise = np.radians(evidence.machine.sensors.noise.joint_deg)
         for column in range(5):
             known: list[tuple[float, float]] = []  # angle, error of rests that are believed
             shifts: dict[int, float] = {}  # of recordings that share an angle with another

@@ -1,0 +1,221 @@
+"""Logs of any machine as they come: rows out of order, samples that are missing, jump away and back, or end early."""
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from boom_mj.cli.gap_data import load_gap_data
+from boom_mj.errors import LogError, LogWarning
+from boom_mj.recording import Recording
+from boom_mj.systems.mjcf.channel_map import parse_channel_map
+from boom_mj.systems.mjcf.log_table import LogTable, glitches, read_table
+from boom_mj.systems.mjcf.segments import smoothed, stretches_of
+
+MAP = """
+name = "cart"
+time = "t"
+window = 2.0
+cutoff = 10.0
+[[channel]]
+name = "motion"
+role = "drive"
+joint = "slide"
+field = "q"
+unit = "m"
+[[channel]]
+name = "force"
+role = "compare"
+actuator = "motor"
+field = "f"
+unit = "N"
+"""
+HANDS_OFF = MAP.replace('"drive"', '"compare"').replace('"compare"\nactuator', '"control"\nactuator')
+MODEL = """<mujoco><worldbody><body><joint name="slide" type="slide" axis="1 0 0"/><geom size="0.1" mass="1"/></body>
+</worldbody><actuator><motor name="motor" joint="slide"/></actuator></mujoco>"""
+TIME = np.arange(0, 10, 0.01)
+
+
+def columns() -> dict[str, np.ndarray]:
+    """A motion and a force with noise."""
+    rng = np.random.default_rng(0)
+    noise = rng.normal(size=(2, len(TIME)))
+    return {"t": TIME.copy(), "q": np.sin(TIME) + 1e-4 * noise[0], "f": np.cos(3 * TIME) + 0.01 * noise[1]}
+
+
+def written(folder: Path, table: dict[str, np.ndarray]) -> Path:
+    rows = [",".join(table), *(",".join(f"{x:.9g}" for x in row) for row in zip(*table.values()))]
+    (folder / "log.csv").write_text("\n".join(rows).replace("nan", "") + "\n")
+    return folder / "log.csv"
+
+
+def read(folder: Path, table: dict[str, np.ndarray], text: str = MAP) -> LogTable:
+    return read_table(written(folder, table), parse_channel_map(text))
+
+
+def spans(parts: list[Recording]) -> list[tuple[float, float]]:
+    """First and last compared moment of stretches."""
+    return [(float(p["force"].time[0]), float(p["force"].time[-1])) for p in parts]
+
+
+def test_a_sound_log_is_what_it_says(tmp_path: Path) -> None:
+    log, given = read(tmp_path, columns()), columns()
+    assert not log.findings and not log.gaps
+    np.testing.assert_allclose(log.values["force"], given["f"], atol=1e-8)
+    np.testing.assert_allclose(log.time, given["t"])
+
+
+def test_rows_get_their_places(tmp_path: Path) -> None:
+    """A row that is late, one that comes twice, two of one time, one without a time."""
+    table = columns()
+    order = np.concatenate([np.arange(500), [502, 501, 500], np.arange(503, 1000), [999]])
+    table = {name: column[order] for name, column in table.items()}
+    table["t"][700] = table["t"][699]
+    table["t"][800] = np.nan
+    with pytest.warns(LogWarning) as heard:
+        log = read(tmp_path, table)
+    said = " ".join(str(one.message) for one in heard)
+    assert "put in their place" in said and "1 rows without a time" in said and "2 have the time of the one" in said
+    assert len(log.time) == 998 and (np.diff(log.time) > 0).all()
+    at = int(np.searchsorted(log.time, TIME[699] - 1e-9))
+    assert log.values["force"][at] == pytest.approx(np.mean(columns()["f"][699:701]))
+
+
+def test_clocks_that_make_no_order_are_refused(tmp_path: Path) -> None:
+    back, coarse, empty = columns(), columns(), columns()
+    back["t"][600:] -= 3.0
+    coarse["t"] = np.floor(coarse["t"] * 10) / 10
+    empty["t"][5:] = np.nan
+    for table, says in ((back, "set back.*another field as time"), (coarse, "must increase"), (empty, "995 are empty")):
+        with pytest.raises(LogError, match=f"log.csv: .*{says}"), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            read(tmp_path, table)
+
+
+def test_samples_that_are_missing_are_bridged_where_the_model_follows_and_left_out_where_it_is_judged(
+    tmp_path: Path,
+) -> None:
+    table = columns()
+    table["q"][[300, 301, 640]] = np.nan
+    table["f"][[200, 450]] = np.nan
+    log = read(tmp_path, table)
+    assert [(f.channel, f.kind, str(f.action)) for f in log.findings] == [
+        ("motion", "dropped", "repaired"),
+        ("force", "dropped", "left out"),
+    ]
+    assert "no value in 3 of 1000 samples" in log.findings[0].sentence
+    parts, sound = stretches_of(log), stretches_of(read(tmp_path, columns()))
+    assert spans(parts) == spans(sound)
+    for part, same in zip(parts, sound):
+        np.testing.assert_allclose(part["motion"].values, same["motion"].values, atol=1e-3)
+    force = np.concatenate([part["force"].values[:, 0] for part in parts])
+    assert np.isnan(force).sum() == 2
+
+
+def test_no_stretch_goes_across_what_the_model_cannot_follow(tmp_path: Path) -> None:
+    for hole in ("samples", "rows"):
+        table = columns()
+        if hole == "samples":
+            table["q"][400:460] = np.nan
+        else:
+            table = {name: np.delete(column, np.s_[400:460]) for name, column in table.items()}
+        log = read(tmp_path, table)
+        assert log.gaps == [pytest.approx((3.99, 4.60))]
+        assert "motion has no value from 3.99 to 4.60 s, which moves the model: left out" in log.findings[0].sentence
+        found = spans(stretches_of(log))
+        assert any(begin < 3.5 for begin, _ in found) and any(end > 8 for _, end in found)
+        assert all(end < 3.99 - 0.2 + 0.011 or begin > 4.6 + 0.2 - 0.011 for begin, end in found)
+
+
+def test_near_a_hole_of_what_is_judged_nothing_is_judged_that_was_smoothed_across_it(tmp_path: Path) -> None:
+    table = columns()
+    table["f"][500:540] = np.nan
+    log = read(tmp_path, table)
+    assert not log.gaps and log.holes["force"] == (pytest.approx((4.99, 5.40)),)
+    time, force = (np.concatenate([p["force"].time for p in stretches_of(log)]) for _ in range(2))
+    force = np.concatenate([p["force"].values[:, 0] for p in stretches_of(log)])
+    lost = time[np.isnan(force)]
+    assert (lost.min(), lost.max()) == pytest.approx((4.99 - 0.2, 5.40 + 0.2), abs=0.02)
+
+
+def test_a_command_holds_and_a_motion_that_is_judged_tells_where_to_begin(tmp_path: Path) -> None:
+    table = columns()
+    table["f"][np.arange(1000) % 4 != 0] = np.nan  # sent every fourth row
+    table["q"][::7] = np.nan
+    log = read(tmp_path, table, HANDS_OFF)
+    force = next(entry for entry in log.channels.channel if entry.name == "force")
+    np.testing.assert_array_equal(log.bridged(force)[:996], np.repeat(log.values["force"][::4], 4)[:996])
+    for part in stretches_of(log):
+        begin = float(part["start"].time[0])
+        assert part["start/slide"].values[0] == pytest.approx((np.sin(begin), np.cos(begin)), abs=0.02)
+        assert np.isnan(part["motion"].values).mean() == pytest.approx(1 / 7, abs=0.01)
+        assert np.isfinite(part["motion/slide"].values).all()
+
+
+def test_a_channel_that_says_nothing_is_refused(tmp_path: Path) -> None:
+    table = columns()
+    table["f"][:] = np.nan
+    with pytest.raises(LogError, match="force has no value at all"):
+        read(tmp_path, table)
+
+
+def test_glitches_are_found_and_motion_is_none() -> None:
+    rng, time = np.random.default_rng(1), np.arange(0, 20, 0.01)
+    for hertz in (0.2, 1.0, 5.0, 12.0):
+        clean = np.sin(2 * np.pi * hertz * time) + 1e-3 * rng.normal(size=len(time))
+        assert not glitches(clean, 1e-3).any()
+        assert not glitches(np.sign(clean) + 1e-3 * rng.normal(size=len(time)), 1e-3).any()
+    clean = np.sin(time) + 1e-3 * rng.normal(size=len(time))
+    spoiled = clean.copy()
+    at = np.array([100, 555, 556, 900, 1500])
+    spoiled[at] += [5.0, -2.0, -2.0, 0.5, -40.0]
+    spoiled[333] = np.nan
+    assert np.flatnonzero(glitches(spoiled, 1e-3)).tolist() == at.tolist()
+
+
+def test_a_blow_is_no_glitch(tmp_path: Path) -> None:
+    """What a joint does within two samples no joint can do; a force can, unless it is beyond all that it ever was."""
+    table = columns()
+    table["q"][[200, 700]] += 0.5
+    table["f"][[250, 610]] += [1.5, 40.0]
+    log = read(tmp_path, table)
+    assert np.flatnonzero(np.isnan(log.values["motion"])).tolist() == [200, 700]
+    assert np.flatnonzero(np.isnan(log.values["force"])).tolist() == [610]
+    assert [f.kind for f in log.findings] == ["spiky", "spiky"]
+    assert "motion jumps away and back in 2 of 1000 samples" in log.findings[0].sentence
+
+
+def test_a_turn_with_holes_is_unwound(tmp_path: Path) -> None:
+    table, text = columns(), MAP.replace('field = "q"', 'field = "q"\nwrap = 1.0')
+    turns = 0.7 * TIME
+    table["q"] = turns % 1.0
+    table["q"][::50] = np.nan
+    log = read(tmp_path, table, text)
+    known = np.isfinite(log.values["motion"])
+    assert known.mean() == pytest.approx(0.98) and not log.gaps
+    np.testing.assert_allclose(log.values["motion"][known], turns[known], atol=1e-6)
+
+
+def test_stamps_that_are_not_even_are_smoothed_in_time() -> None:
+    rng = np.random.default_rng(2)
+    time = np.cumsum(rng.uniform(0.002, 0.03, 2000))
+    slow = np.sin(2 * np.pi * 0.5 * time)
+    inside = (time > 2) & (time < time[-1] - 2)
+    assert np.abs(smoothed(time, slow, 5.0) - slow)[inside].max() < 0.02
+
+
+def test_what_is_wrong_goes_with_the_machine_and_strictly_it_is_refused(tmp_path: Path) -> None:
+    """Of healthy logs, too."""
+    (tmp_path / "map.toml").write_text('model = "cart.xml"\n' + MAP)
+    (tmp_path / "cart.xml").write_text(MODEL)
+    table = columns()
+    table["q"][640] = np.nan
+    log, where = written(tmp_path, table), tmp_path / "map.toml"
+    given = load_gap_data([log], [], channels=where)
+    assert [finding.sentence for finding in given.findings] == [
+        f"{log}: motion has no value in 1 of 1000 samples: repaired"
+    ]
+    assert given.names == tuple(part.name for part in given.data.recordings)
+    with pytest.raises(LogError, match="motion has no value"):
+        load_gap_data([log], [], channels=where, strict=True)
