@@ -1,4 +1,4 @@
-"""Any table of numbers by field: CSV (cells may be lists), MATLAB, JSON, Parquet and C3D files, MCAP and bags.
+"""Any table of numbers by field: text (cells may be lists), MATLAB, NumPy, HDF5, JSON, Parquet, C3D, MCAP and bags.
 
 A field is a path: `qm`, `ScopeData.signals.values[2]`, `positions[0]`, and of bags and MCAP
 `/joint_states.position[0]`, whose time is `/joint_states.log_time`. A number in brackets counts columns from 0.
@@ -8,7 +8,7 @@ import csv
 import io
 import json
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +16,12 @@ import numpy as np
 
 from boom_mj.errors import LogError
 from boom_mj.files import whole_file
+from boom_mj.logs.arrays import read_hdf5, read_numpy
 from boom_mj.logs.c3d import read_c3d
 from boom_mj.logs.channel import Batch
 from boom_mj.logs.encodings import decoder_of
 from boom_mj.logs.formats import format_of, log_file
-from boom_mj.logs.formats.table import SUFFIXES, cells, lines, numbers
+from boom_mj.logs.formats.table import SUFFIXES, lines, numbers, text_table
 from boom_mj.logs.json_table import read_json
 from boom_mj.logs.matlab import read_matlab
 from boom_mj.logs.parquet import read_parquet
@@ -58,13 +59,15 @@ def write_columns(path: Path, columns: Mapping[str, Array]) -> None:
 
 
 def _within(path: Path, table: Mapping[str, Any], field: str) -> Array:
-    """Goes down a path of names and takes a column."""
-    found = FIELD.match(field)
+    """Goes down a path of names and takes a column; a name may look like a path."""
+    found = None if field in table else FIELD.match(field)
     stem, column = (found["stem"], found["column"]) if found else (field, None)
     value: Any = table
-    for part in stem.split("."):
+    for part in [stem] if stem in table else stem.split("."):
         names = sorted(value) if isinstance(value, Mapping) else []
-        if part not in names:
+        if names == [""]:
+            names = [f"[0] to [{len(value[''].T) - 1}], as it does not name its columns"]
+        if not isinstance(value, Mapping) or part not in value:
             raise LogError(f"{path} has no field '{field}': '{part}' is none of {', '.join(names) or 'its parts'}")
         value = value[part]
     try:
@@ -80,14 +83,16 @@ def _within(path: Path, table: Mapping[str, Any], field: str) -> Array:
     return numbers
 
 
-def _csv(path: Path) -> Mapping[str, Any]:
-    rows = list(cells(path, lines(path), ","))
-    if len(rows) < 2 or len({len(row) for row in rows}) > 1:
-        raise LogError(f"{path} is no table: it needs a line of names, and as many cells in every line")
-    return {name.strip(): _column([row[k] for row in rows[1:]]) for k, name in enumerate(rows[0])}
+def _text(path: Path) -> Mapping[str, Any]:
+    """Columns by their names; of a text without names all, (n, k), under no name."""
+    found = text_table(path, lines(path))
+    columns = [_column(cells) for cells in zip(*found.rows)]
+    if not columns:
+        raise LogError(f"{path} is no table: it needs a line of names, and numbers below")
+    return dict(zip(found.names, columns)) if found.names else {"": np.stack(columns, axis=1)}
 
 
-def _column(cells: list[str]) -> Any:
+def _column(cells: Sequence[str]) -> Any:
     """A column of numbers, or of lists of numbers (n, k); texts are NaN."""
     if cells[0].lstrip().startswith("["):
         try:
@@ -99,10 +104,12 @@ def _column(cells: list[str]) -> Any:
 
 TABLES: Mapping[tuple[str, ...], Callable[[Path], Mapping[str, Any]]] = {
     (".mat",): read_matlab,
-    SUFFIXES: _csv,
+    SUFFIXES: _text,
     (".json",): read_json,
     (".parquet",): read_parquet,
     (".c3d",): read_c3d,
+    (".npz", ".npy"): read_numpy,
+    (".h5", ".hdf5"): read_hdf5,
 }
 
 

@@ -1,4 +1,4 @@
-"""MATLAB files of version 4 to 7.2 as mappings, by scipy; a process of its own tries it first: damage can kill it."""
+"""MATLAB files as mappings, up to version 7.2 by scipy; a process of its own tries it first: damage can kill it."""
 
 import signal
 import struct
@@ -10,8 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from boom_mj.errors import LogError
+from boom_mj.logs.arrays import read_hdf5
 from boom_mj.logs.inflating import Inflater
 
+HDF5 = b"MATLAB 7.3 MAT-file"  # as which later versions begin
 HEAD, COMPRESSED = 128, 15  # bytes before the elements of version 5 and later; type of an element
 TRY = "import sys, scipy.io; scipy.io.loadmat(sys.argv[1])"  # damage can end scipy's parser in a signal
 
@@ -25,10 +27,15 @@ def read_matlab(path: Path) -> Mapping[str, Any]:
     from scipy.io import loadmat
 
     try:
+        with path.open("rb") as stream:
+            if stream.read(len(HDF5)) == HDF5:
+                return read_hdf5(path, matlab=True)
         _look_through(path)
         found = loadmat(path, squeeze_me=True, struct_as_record=False)
+    except LogError:
+        raise
     except Exception as error:  # broken bytes raise whatever the parser stumbles over
-        raise LogError(f"{path} is no MATLAB file of version 4 to 7.2: {error}") from error
+        raise LogError(f"{path} is no MATLAB file: {error}") from error
     return {name: _tree(value) for name, value in found.items() if not name.startswith("__")}
 
 
