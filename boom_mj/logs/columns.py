@@ -18,7 +18,7 @@ from boom_mj.errors import LogError
 from boom_mj.files import whole_file
 from boom_mj.logs.arrays import read_hdf5, read_numpy
 from boom_mj.logs.c3d import read_c3d
-from boom_mj.logs.channel import Batch
+from boom_mj.logs.channel import Batch, Group
 from boom_mj.logs.encodings import decoder_of
 from boom_mj.logs.formats import format_of, log_file
 from boom_mj.logs.formats.table import SUFFIXES, lines, numbers, text_table
@@ -28,7 +28,7 @@ from boom_mj.logs.parquet import read_parquet
 
 Array = np.ndarray
 FIELD = re.compile(r"^(?P<stem>.*?)(\[(?P<column>\d+)\])?$")
-RECORDED = "log_time"
+RECORDED, STAMPED = CLOCKS = "log_time", "header_time"
 
 
 def read_columns(path: Path, fields: Iterable[str]) -> dict[str, Array]:
@@ -114,7 +114,7 @@ TABLES: Mapping[tuple[str, ...], Callable[[Path], Mapping[str, Any]]] = {
 
 
 def _messages(path: Path, fields: tuple[str, ...]) -> dict[str, Array]:
-    """Fields `TOPIC.path[k]` of the messages on a topic; `TOPIC.log_time` is when they were recorded, s."""
+    """Fields `TOPIC.path[k]` of messages; `TOPIC.log_time` and `TOPIC.header_time` are their times, s."""
     topics = {field: field.partition(".")[0] for field in fields}
     rows: dict[str, list[Array]] = {field: [] for field in fields}
     there: list[str] = []
@@ -128,11 +128,12 @@ def _messages(path: Path, fields: tuple[str, ...]) -> dict[str, Array]:
             continue
         mine = [field for field in fields if topics[field] == batch.channel.topic]
         stems = {f: str(FIELD.match(f.partition(".")[2])["stem"]) for f in mine}  # type: ignore[index]
-        asked = tuple(dict.fromkeys(s for s in stems.values() if s != RECORDED))
-        groups = list(decoder_of(batch.channel).decode(batch.messages, asked)) if asked else []
+        asked = tuple(dict.fromkeys(s for s in stems.values() if s not in CLOCKS))
+        decoded = set(stems.values()) - {RECORDED}
+        groups = list(decoder_of(batch.channel).decode(batch.messages, asked)) if decoded else []
         for field in mine:
-            if stems[field] == RECORDED:
-                rows[field].append(np.asarray(batch.log_time, float) / 1e9)
+            if stems[field] in CLOCKS:
+                rows[field].append(_times(path, batch, groups, stems[field]) / 1e9)
                 continue
             column = int(FIELD.match(field)["column"] or 0)  # type: ignore[index]
             values = np.full(len(batch.messages), np.nan)
@@ -143,3 +144,15 @@ def _messages(path: Path, fields: tuple[str, ...]) -> dict[str, Array]:
         if not parts:
             raise LogError(f"{path} has no field '{field}'; its topics are {', '.join(sorted(set(there)))}")
     return {field: np.concatenate(parts) for field, parts in rows.items()}
+
+
+def _times(path: Path, batch: Batch, groups: Iterable[Group], clock: str) -> Array:
+    """When messages were recorded, or what their headers say, (n,), ns."""
+    if clock == RECORDED:
+        return np.asarray(batch.log_time, float)
+    found = np.full(len(batch.messages), np.nan)
+    for group in groups:
+        if group.stamp is None:
+            raise LogError(f"{path}: messages on {batch.channel.topic} have no header; their time is {RECORDED}")
+        found[group.which] = group.stamp
+    return found

@@ -8,7 +8,9 @@ import pytest
 
 from boom_mj.cli.gap_data import load_gap_data
 from boom_mj.errors import LogError, LogWarning
+from boom_mj.logs import write_mcap
 from boom_mj.recording import Recording
+from boom_mj.recording.names import named_signal
 from boom_mj.systems.mjcf.channel_map import parse_channel_map
 from boom_mj.systems.mjcf.log_table import LogTable, glitches, read_table
 from boom_mj.systems.mjcf.segments import smoothed, stretches_of
@@ -145,12 +147,74 @@ def test_a_command_holds_and_a_motion_that_is_judged_tells_where_to_begin(tmp_pa
     table["q"][::7] = np.nan
     log = read(tmp_path, table, HANDS_OFF)
     force = next(entry for entry in log.channels.channel if entry.name == "force")
-    np.testing.assert_array_equal(log.bridged(force)[:996], np.repeat(log.values["force"][::4], 4)[:996])
+    held = log.bridged(force, log.values["force"])
+    np.testing.assert_array_equal(held[:996], np.repeat(log.values["force"][::4], 4)[:996])
     for part in stretches_of(log):
         begin = float(part["start"].time[0])
         assert part["start/slide"].values[0] == pytest.approx((np.sin(begin), np.cos(begin)), abs=0.02)
         assert np.isnan(part["motion"].values).mean() == pytest.approx(1 / 7, abs=0.01)
         assert np.isfinite(part["motion/slide"].values).all()
+
+
+def test_channels_with_clocks_of_their_own(tmp_path: Path) -> None:
+    """A force that is measured 2.5 times as often, in a file beside the log."""
+    beside = tmp_path / "force.csv"
+    often = np.arange(0.3, 9.0, 0.004)
+    np.savetxt(beside, np.stack([often, np.cos(3 * often)], axis=1), delimiter=",", header="at,f", comments="")
+    text = MAP.replace('field = "f"', 'field = "force.csv:f"\ntime = "force.csv:at"')
+    table = columns()
+    del table["f"]
+    log = read(tmp_path, table, text)
+    assert not log.gaps and [f.sentence.partition(": ")[2] for f in log.findings] == [
+        "force has no value from 0.00 to 0.30 s: left out",
+        "force has no value from 9.00 to 9.99 s: left out",
+    ]
+    known = np.isfinite(log.values["force"])
+    np.testing.assert_allclose(log.time[known], often)
+    parts, sound = stretches_of(log), stretches_of(read(tmp_path, columns()))
+    for part, same in zip(parts, sound):
+        at = same["motion"].time[(same["motion"].time > 0.5) & (same["motion"].time < 8.5)]
+        moved, would = (np.interp(at, p["motion"].time, p["motion"].values[:, 0]) for p in (part, same))
+        np.testing.assert_allclose(moved, would, atol=2e-3)
+        force = part["force"]
+        some = np.isfinite(force.values[:, 0])
+        np.testing.assert_allclose(force.values[some, 0], np.cos(3 * force.time[some]), atol=0.02)
+
+
+def test_a_topic_has_its_own_clock(tmp_path: Path) -> None:
+    """Of a log of messages channels go by their topics' times, recorded or of the headers, as the map's time does."""
+    time = np.arange(0, 10, 0.02)
+    angles, every = np.zeros((len(time), 5)), np.arange(0, len(time), 3)
+    angles[:, 0] = np.sin(time)
+    felt = np.stack([np.cos(time), 0 * time, 0 * time], axis=1)[every]
+    signals = {
+        "joint/position": named_signal("joint/position", time, angles),
+        "imu/link5/specific_force": named_signal("imu/link5/specific_force", time[every] + 0.005, felt),
+    }
+    write_mcap(Recording("two", "boom36", "", signals), tmp_path / "log.mcap")
+    for clock in ("log_time", "header_time"):
+        text = f"""
+name = "boom"
+time = "/joint_states.{clock}"
+[[channel]]
+name = "slewing"
+role = "drive"
+joint = "slew"
+field = "/joint_states.position[0]"
+[[channel]]
+name = "tip"
+role = "compare"
+sensor = "tip"
+field = "/imu/link5.linear_acceleration.x"
+"""
+        log = read_table(tmp_path / "log.mcap", parse_channel_map(text))
+        assert not log.findings and not log.gaps
+        slewing, tip = (log.time[np.isfinite(log.values[name])] for name in ("slewing", "tip"))
+        np.testing.assert_allclose(slewing, time, atol=1e-6)
+        np.testing.assert_allclose(tip, time[every] + 0.005, atol=1e-6)
+        assert np.interp(3.005, tip, log.values["tip"][np.isfinite(log.values["tip"])]) == pytest.approx(
+            np.cos(3.0), abs=0.01
+        )
 
 
 def test_a_channel_that_says_nothing_is_refused(tmp_path: Path) -> None:

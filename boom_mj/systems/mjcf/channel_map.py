@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError,
 
 from boom_mj.errors import ChannelMapError, shown
 from boom_mj.files import parse_toml, read_text
+from boom_mj.logs.columns import CLOCKS
 from boom_mj.machine.fields import NonNegative, Positive
 
 Role = Literal["drive", "control", "compare", "temperature"]
@@ -29,6 +30,7 @@ class ChannelEntry(BaseModel):
         component: of the sensor.
         field: of the log.
         terms: instead of a field, a sum of fields by their factors.
+        time: field of its time, where that is not the map's; see `ChannelMap.clock`.
         scale, offset: to SI.
         unit: of the result.
         relative: what counts is the difference to the value when a stretch begins.
@@ -49,6 +51,7 @@ class ChannelEntry(BaseModel):
     component: int = Field(default=0, ge=0)
     field: str = ""
     terms: Mapping[str, FiniteFloat] = {}
+    time: str = ""
     scale: FiniteFloat = 1.0
     offset: FiniteFloat = 0.0
     unit: str = ""
@@ -192,6 +195,13 @@ class ChannelMap(BaseModel):
         parts = Path(path).parts
         entries = (entry for entry in self.log if parts[-len(Path(entry.file).parts) :] == Path(entry.file).parts)
         return next(entries, LogEntry(file=Path(path).name))
+
+    def clock(self, entry: ChannelEntry) -> str:
+        """Field of a channel's time: its own, the map's, or as that is of a topic its own topic's."""
+        topic, _, of = self.time.partition(".")
+        own = entry.fields[0].partition(".")[0]
+        other = topic.startswith("/") and own.startswith("/") and of in CLOCKS
+        return entry.time or (f"{own}.{of}" if other else self.time)
 
     def role(self, role: Role) -> tuple[ChannelEntry, ...]:
         """The channels of a role."""

@@ -61,41 +61,50 @@ class LogTable:
         """Where something is missing that the model follows, or begins with, in order."""
         return sorted(hole for entry in self.channels.channel if follows(entry) for hole in self.holes[entry.name])
 
-    def bridged(self, entry: ChannelEntry) -> Array:
-        """A channel without holes, (n,): commands hold, all else goes on evenly."""
-        values, known = self.values[entry.name], np.isfinite(self.values[entry.name])
+    def bridged(self, entry: ChannelEntry, values: Array) -> Array:
+        """Values of a channel (n,) without holes: commands hold, all else goes on evenly."""
+        known = np.isfinite(values)
         if known.all():
             return values
         if entry.role == "control":
-            latest = np.maximum.accumulate(np.where(known, np.arange(len(values)), 0))
-            return np.where(np.arange(len(values)) < np.argmax(known), values[np.argmax(known)], values[latest])
+            latest = np.maximum.accumulate(np.where(known, np.arange(len(values)), np.argmax(known)))
+            return values[latest]
         return np.interp(self.time, self.time[known], values[known])
 
 
 def read_table(path: Path, channels: ChannelMap) -> LogTable:
-    """Read a log and look through it.
+    """Read a log and look through it; channels that have a clock of their own say nothing at the times of others.
 
     Raises:
         LogError: fields that are not there or not of one length, stamps that make no order, a channel without samples.
     """
-    fields: Mapping[str, Array] = _fields(path, channels)
-    time = fields[channels.time] * channels.time_scale
-    for name, column in fields.items():
-        if len(column) != len(time):
-            raise LogError(f"{path}: {name} has {len(column)} samples, its time {len(time)}")
-    time, fields = _sorted(path, time, fields)
+    fields, clocks = _fields(path, channels), {entry.name: channels.clock(entry) for entry in channels.channel}
+    asked: dict[str, set[str]] = {channels.time: {channels.release.field} if channels.release else set()}
+    for entry in channels.channel:
+        asked.setdefault(clocks[entry.name], set()).update(entry.fields)
+    rows = {
+        clock: _sorted(path, fields[clock] * channels.time_scale, {name: fields[name] for name in names})
+        for clock, names in asked.items()
+    }
+    time = np.unique(np.concatenate([stamps for stamps, _ in rows.values()]))
     values: dict[str, Array] = {}
     holes: dict[str, tuple[Span, ...]] = {}
     findings: list[DataFinding] = []
     for entry in channels.channel:
-        own = _value(entry, fields)
+        stamps, columns = rows[clocks[entry.name]]
+        own = _value(entry, columns)
         if not np.isfinite(own).any():
             raise LogError(f"{path}: {entry.name} has no value at all")
         away = _jumps(entry, own) if entry.sensed else np.zeros(len(own), bool)
-        values[entry.name] = np.where(away, np.nan, own)
+        values[entry.name] = np.full(len(time), np.nan)
+        values[entry.name][np.searchsorted(time, stamps)] = np.where(away, np.nan, own)
         holes[entry.name] = tuple(_holes(time, np.isfinite(values[entry.name]), 0.5 / channels.cutoff))
-        findings += _findings(path, entry, time, own, away, holes[entry.name])
-    let_go = fields[channels.release.field] if channels.release else None
+        findings += _findings(path, entry, stamps, own, away, holes[entry.name], float(time[0]))
+    let_go = None
+    if channels.release:
+        stamps, columns = rows[channels.time]
+        known = np.isfinite(columns[channels.release.field])
+        let_go = np.interp(time, stamps[known], columns[channels.release.field][known])
     return LogTable(path, channels, time, values, holes, let_go, tuple(findings))
 
 
@@ -132,9 +141,10 @@ def glitches(values: Array, noise: float) -> Array:
 
 
 def _fields(path: Path, channels: ChannelMap) -> dict[str, Array]:
-    """All fields that a map names; `FILE:field` stands in a file beside the log, sample for sample."""
+    """All fields that a map names; `FILE:field` stands in a file beside the log."""
     release = {channels.release.field} if channels.release else set()
-    fields = {channels.time, *release, *(f for entry in channels.channel for f in entry.fields)}
+    clocks = {channels.clock(entry) for entry in channels.channel}
+    fields = {channels.time, *release, *clocks, *(f for entry in channels.channel for f in entry.fields)}
     found: dict[str, Array] = {}
     for beside in {field.rpartition(":")[0] for field in fields}:
         mine = {field: field.rpartition(":")[2] for field in fields if field.rpartition(":")[0] == beside}
@@ -145,6 +155,9 @@ def _fields(path: Path, channels: ChannelMap) -> dict[str, Array]:
 
 def _sorted(path: Path, time: Array, fields: Mapping[str, Array]) -> tuple[Array, Mapping[str, Array]]:
     """Rows that have a stamp, in its order; those of one stamp as their mean."""
+    for name, column in fields.items():
+        if len(column) != len(time):
+            raise LogError(f"{path}: {name} has {len(column)} samples, its time {len(time)}")
     stamped = np.isfinite(time)
     if stamped.sum() < 10:
         raise LogError(f"{path}: the time has {len(time)} samples, of which {int((~stamped).sum())} are empty")
@@ -199,28 +212,25 @@ def _holes(time: Array, known: Array, cutoff: float) -> Iterator[Span]:
 
 
 def _findings(
-    path: Path, entry: ChannelEntry, time: Array, own: Array, away: Array, holes: Sequence[Span]
+    path: Path, entry: ChannelEntry, time: Array, own: Array, away: Array, holes: Sequence[Span], start: float
 ) -> Iterator[DataFinding]:
-    """Of a channel (n,) with its glitches and holes."""
-    done = Action.LEFT_OUT if entry.role == "compare" else Action.REPAIRED
+    """Of a channel at its times (n,) with its glitches and holes; in answers time counts from the log's start."""
     missing = ~np.isfinite(own) & ~within(time, holes)
 
     def said(kind: str, span: Span, text: str, action: Action) -> DataFinding:
-        begin, end = (float(moment - time[0]) for moment in span)
+        begin, end = (float(moment) - start for moment in span)
         return DataFinding(str(path), entry.name, kind, begin, end, text, action, used=True)
 
     def few(bad: Array) -> tuple[Span, str]:
-        first, last = time[bad][[0, -1]]
-        return (first, last), f"in {int(bad.sum())} of {len(own)} samples"
+        return (time[bad][0], time[bad][-1]), f"in {int(bad.sum())} of {len(own)} samples"
 
     if missing.any():
         span, where = few(missing)
+        done = Action.LEFT_OUT if entry.role == "compare" else Action.REPAIRED
         yield said("dropped", span, f"has no value {where}", done)
     for begin, end in holes:
-        text = f"has no value from {begin - time[0]:.2f} to {end - time[0]:.2f} s" + ", which moves the model" * (
-            follows(entry)
-        )
-        yield said("dropped", (begin, end), text, Action.LEFT_OUT)
+        text = f"has no value from {begin - start:.2f} to {end - start:.2f} s"
+        yield said("dropped", (begin, end), text + ", which moves the model" * follows(entry), Action.LEFT_OUT)
     if away.any():
         span, where = few(away)
         far = np.abs(own[away] - np.nanmedian(own)).max()

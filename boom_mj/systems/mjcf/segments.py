@@ -10,7 +10,7 @@ from scipy.signal import butter, sosfiltfilt
 from boom_mj.errors import LogError
 from boom_mj.estimation.blocks import own_noise
 from boom_mj.recording import Recording, Signal
-from boom_mj.systems.mjcf.channel_map import ChannelEntry, ChannelMap
+from boom_mj.systems.mjcf.channel_map import ChannelEntry
 from boom_mj.systems.mjcf.log_table import LogTable, Span, within
 
 Array = np.ndarray
@@ -37,10 +37,10 @@ def stretches_of(table: LogTable) -> list[Recording]:
         LogError: a log that is too short.
     """
     path, channels, time = table.path, table.channels, table.time
-    bridged = {entry.name: table.bridged(entry) for entry in channels.channel}
+    bridged = {entry.name: table.bridged(entry, table.values[entry.name]) for entry in channels.channel}
     edge = EDGE / channels.cutoff
     margin = edge if channels.driven else 0.0
-    motions = _motions(time, bridged, channels)
+    motions = _motions(table)
     values = bridged | {motion.entry.name: motion.smooth for motion in motions if motion.entry.role == "drive"}
     for entry in channels.role("compare"):
         if channels.driven:
@@ -185,13 +185,15 @@ class _Motion:
         return dict(zip(names, (moved, again, state, unsure)))
 
 
-def _motions(time: Array, values: dict[str, Array], channels: ChannelMap) -> list[_Motion]:
+def _motions(table: LogTable) -> list[_Motion]:
     """Of all channels of joints."""
+    channels, time = table.channels, table.time
     moving = [entry for entry in channels.channel if entry.joint]
     white = np.random.default_rng(0).normal(size=(len(moving), len(time)))
     found = []
     for entry, noise in zip(moving, white):
-        own = values[entry.name]
-        both = (smoothed(time, one, channels.cutoff) for one in (own, own + noise * _noise(entry, own)))
+        own = table.values[entry.name]
+        told = (own, own + noise * _noise(entry, own))
+        both = (smoothed(time, table.bridged(entry, one), channels.cutoff) for one in told)
         found.append(_Motion(entry, time, *both))
     return found
