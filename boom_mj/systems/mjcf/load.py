@@ -10,6 +10,7 @@ from boom_mj.systems.mjcf.log_table import read_table
 from boom_mj.systems.mjcf.model_file import load_model
 from boom_mj.systems.mjcf.segments import noise_of, split, stretches_of
 from boom_mj.systems.mjcf.system import MjcfSystem
+from boom_mj.systems.mjcf.units import unit_findings
 from boom_mj.systems.predictor import dataset_of
 from boom_mj.systems.recorded import RecordedMachine
 
@@ -45,4 +46,5 @@ def load_mjcf(
     system = MjcfSystem(spec, channels, train, noise_of(tables[0]))
     data = dataset_of(system, [*train, *judged], len(train))
     findings = dict.fromkeys(finding for table in (*tables, *judges) for finding in table.findings)
+    findings |= dict.fromkeys(unit_findings(system, data))
     return RecordedMachine(system, data, tuple(log.name for log in data.recordings), tuple(findings))

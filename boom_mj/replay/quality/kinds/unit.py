@@ -111,9 +111,10 @@ def named_unit(si: str, scale: float) -> tuple[str, float] | None:
     """The unit in which numbers are so many times what they are in SI, and its factor; None for a plausible scale."""
     if not np.isfinite(scale) or scale <= 0 or 1 / OFF < scale < OFF:
         return None
-    known = {word: factor for word, factor in UNITS[si].items() if factor != 1}
-    for choices in (known, {f"{word} {si}": 1 / power for word, power in POWERS.items()}):
-        word = min(choices, key=lambda w: abs(np.log(scale * choices[w])))
-        if abs(np.log(scale * choices[word])) < np.log(NEAR):
+    known = {word: factor for word, factor in UNITS.get(si, {}).items() if factor != 1}
+    for choices in (known, {f"{word} {si}": power for word, power in POWERS.items()}):
+        near = {word: abs(np.log(scale * factor)) for word, factor in choices.items()}
+        word = min(near, key=near.__getitem__, default="")
+        if word and near[word] < np.log(NEAR):
             return word, choices[word]
     return None
