@@ -50,6 +50,7 @@ def read_hdf5(path: Path, matlab: bool = False) -> Mapping[str, Any]:
             return {
                 name: tree(part) if isinstance(part, h5py.Group) else _Dataset(part, inflater, matlab)
                 for name, part in group.items()
+                if part is not None  # a link to nowhere
             }
 
         return tree(h5py.File(path, "r"))

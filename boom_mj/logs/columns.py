@@ -72,7 +72,7 @@ def _within(path: Path, table: Mapping[str, Any], field: str) -> Array:
         value = value[part]
     try:
         numbers = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OSError) as error:
         raise LogError(f"{path}: '{field}' holds no numbers") from error
     if column is not None:
         if numbers.ndim != 2 or int(column) >= numbers.shape[1]:

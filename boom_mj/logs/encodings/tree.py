@@ -34,7 +34,7 @@ class TreeDecoder:
                 found = [select(tree, path) for path in fields]
                 rows = [np.array(s.leaves, np.float64) for s in found]  # None becomes NaN
                 stamp = stamp_leaves(tree)
-                ns = None if stamp is None else int(stamp[0]) * 10**9 + int(stamp[1])
+                ns = None if stamp is None else np.int64(int(stamp[0]) * 10**9 + int(stamp[1]))
             except Exception as error:  # whatever broken bytes lead to
                 raise DecodingError(i, error) from error
             key = (frame_of(tree), ns is None, tuple((s.names, len(s.leaves)) for s in found))

@@ -158,7 +158,7 @@ def _sorted(path: Path, time: Array, fields: Mapping[str, Array]) -> tuple[Array
     for name, column in fields.items():
         if len(column) != len(time):
             raise LogError(f"{path}: {name} has {len(column)} samples, its time {len(time)}")
-    stamped = np.isfinite(time)
+    stamped = np.isfinite(1e9 * time)
     if stamped.sum() < 10:
         raise LogError(f"{path}: the time has {len(time)} samples, of which {int((~stamped).sum())} are empty")
     if not stamped.all():

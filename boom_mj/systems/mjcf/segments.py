@@ -86,10 +86,10 @@ def stretches_of(table: LogTable) -> list[Recording]:
 
 def _between(first: float, end: float, gaps: Sequence[Span], edge: float, margin: float) -> Iterator[Span]:
     """What gaps leave of a log; they are to it as its own ends."""
-    for begin, until in gaps:
-        yield first, min(begin - margin, end)
+    for begin, until in [*gaps, (end + margin, end)]:
+        if first < min(begin - margin, end):
+            yield first, min(begin - margin, end)
         first = max(first, until + edge)
-    yield first, end
 
 
 def noise_of(table: LogTable) -> dict[str, float]:
