@@ -86,9 +86,9 @@ def stretches_of(table: LogTable) -> list[Recording]:
 
 def _between(first: float, end: float, gaps: Sequence[Span], edge: float, margin: float) -> Iterator[Span]:
     """What gaps leave of a log; they are to it as its own ends."""
-    for begin, until in [*gaps, (end + margin, end)]:
-        if first < min(begin - margin, end):
-            yield first, min(begin - margin, end)
+    for last, until in [*((begin - margin, until) for begin, until in gaps), (end, end)]:
+        if first < min(last, end):
+            yield first, min(last, end)
         first = max(first, until + edge)
 
 
