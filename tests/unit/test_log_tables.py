@@ -146,6 +146,7 @@ def test_a_command_holds_and_a_motion_that_is_judged_tells_where_to_begin(tmp_pa
     table["f"][np.arange(1000) % 4 != 0] = np.nan  # sent every fourth row
     table["q"][::7] = np.nan
     log = read(tmp_path, table, HANDS_OFF)
+    assert [finding.channel for finding in log.findings] == ["motion"]
     force = next(entry for entry in log.channels.channel if entry.name == "force")
     held = log.bridged(force, log.values["force"])
     np.testing.assert_array_equal(held[:996], np.repeat(log.values["force"][::4], 4)[:996])

@@ -98,7 +98,8 @@ def read_table(path: Path, channels: ChannelMap) -> LogTable:
         away = _jumps(entry, own) if entry.sensed else np.zeros(len(own), bool)
         values[entry.name] = np.full(len(time), np.nan)
         values[entry.name][np.searchsorted(time, stamps)] = np.where(away, np.nan, own)
-        holes[entry.name] = tuple(_holes(time, np.isfinite(values[entry.name]), 0.5 / channels.cutoff))
+        known = np.isfinite(values[entry.name])
+        holes[entry.name] = () if entry.role == "temperature" else tuple(_holes(time, known, 0.5 / channels.cutoff))
         findings += _findings(path, entry, stamps, own, away, holes[entry.name], float(time[0]))
     let_go = None
     if channels.release:
@@ -216,6 +217,8 @@ def _findings(
 ) -> Iterator[DataFinding]:
     """Of a channel at its times (n,) with its glitches and holes; in answers time counts from the log's start."""
     missing = ~np.isfinite(own) & ~within(time, holes)
+    steps = np.diff(time[np.isfinite(own)])
+    sparse = not len(steps) or (steps < 1.5 * np.median(steps)).all()  # none is missing: it comes at a rate of its own
 
     def said(kind: str, span: Span, text: str, action: Action) -> DataFinding:
         begin, end = (float(moment) - start for moment in span)
@@ -224,7 +227,7 @@ def _findings(
     def few(bad: Array) -> tuple[Span, str]:
         return (time[bad][0], time[bad][-1]), f"in {int(bad.sum())} of {len(own)} samples"
 
-    if missing.any():
+    if missing.any() and not sparse:
         span, where = few(missing)
         done = Action.LEFT_OUT if entry.role == "compare" else Action.REPAIRED
         yield said("dropped", span, f"has no value {where}", done)
