@@ -35,6 +35,7 @@ def check_effect(kind: type[Effect], sites: Sequence[Site] = BOOM_SITES, machine
     _law(not unknown, name, f"confused_with holds ids of the library: {', '.join(sorted(unknown))} are none")
     for site in allowed:
         neutral, here = kind(site), f" at {site.location or 'the machine'}"
+        _law(kind.shapes < set(neutral.declared), name, f"some parameter is none of its shapes{here}")
         _law(bool(kind.free(site)), name, f"a parameter is free{here}")
         for key, parameter in neutral.declared.items():
             inside = parameter.low <= parameter.neutral <= parameter.high

@@ -46,7 +46,8 @@ class Scored:
 
     def level(self, effect: Effect) -> float:
         """Of the widest interval of one of an effect's sizes that leaves out where it does nothing."""
-        away = self.by_effect(np.abs(self.fit.scaled) / self.deviation)[self.fit.effects.index(effect)]
+        sized = [name not in self.fit.effects[owner].shapes for owner, name, _ in self.fit.candidate.parameters]
+        away = self.by_effect(np.abs(self.fit.scaled) * sized / self.deviation)[self.fit.effects.index(effect)]
         return float(erf(np.max(away, initial=0.0) / np.sqrt(2)))
 
     def shows(self, effect: Effect) -> bool:

@@ -47,6 +47,7 @@ class Effect(ABC):
         separating_experiment: that tells it from those: of the catalogue, or in words.
         sizes: scaled, at which screening looks; several, and both signs, where the effect is not smooth.
         grid_start: scaled, between which a fit is begun at the least cost, where it has many minima.
+        shapes: parameters that say how it acts, not how much: it is nothing where the others are neutral.
         competes: whether it can be a cause; what every log has, such as a zero offset, is estimated along instead.
         site, values: of this instance; parameters left out are neutral.
     """
@@ -60,6 +61,7 @@ class Effect(ABC):
     separating_experiment: ClassVar[str] = ""
     sizes: ClassVar[tuple[float, ...]] = (1.0,)
     grid_start: ClassVar[tuple[float, ...]] = ()
+    shapes: ClassVar[frozenset[str]] = frozenset()
     competes: ClassVar[bool] = True
 
     site: Site

@@ -25,9 +25,8 @@ def explanation(
     """Of causes 1, 2, .. of one size each that leave so much, in training as much unless said."""
     size = Parameter("1", 0.0, -9.0, 9.0, 1.0, likely=(0.0, 1.0))
     values = {"size": 1.0 if plausible else 5.0}
-    effects = [
-        SimpleNamespace(id=str(k), declared={"size": size}, values=values, special_cases=()) for k in range(causes)
-    ]
+    kind = {"declared": {"size": size}, "values": values, "special_cases": (), "shapes": frozenset()}
+    effects = [SimpleNamespace(id=str(k), **kind) for k in range(causes)]
     candidate = SimpleNamespace(places=tuple(range(causes)), parameters=[(k, "size", size) for k in range(causes)])
     scaled = np.ones(causes) if sizes is None else np.array(sizes)
     fit: Any = SimpleNamespace(effects=effects, candidate=candidate, scaled=scaled, residual=residual)
@@ -143,3 +142,12 @@ def test_hidden_error_vanishes_at_the_floor_and_grows_with_what_is_left() -> Non
     unit = NOISE / np.sqrt(np.mean(NOISE**2))
     assert _hidden(inverse, columns, unit, channel, WINDOWS) == pytest.approx(0.0, abs=1e-9)
     assert _hidden(inverse, columns, 3 * unit, channel, WINDOWS) == pytest.approx((9 - 1) / 40)
+
+
+def test_a_cause_does_not_show_by_its_shape_alone() -> None:
+    """Such as the speed below which a friction grows that may be nothing."""
+    best = explanation(1, 2.0 * NOISE, sizes=(1.0,))
+    (effect,) = best.fit.effects
+    assert best.shows(effect)
+    effect.shapes = frozenset({"size"})
+    assert best.level(effect) == 0.0 and not best.shows(effect)

@@ -25,6 +25,7 @@ class RelaxingStiffness(ModelEffect):
     at = ("joint",)
     confused_with = ("link_stiffness", "joint_stiffness", "link_damping", "payload")
     separating_experiment = "free vibration, and a known static load"
+    shapes = frozenset({"time"})
 
     @classmethod
     def allowed(cls, sites: Sequence[Site]) -> tuple[Site, ...]:

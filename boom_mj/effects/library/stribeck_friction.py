@@ -20,6 +20,7 @@ class StribeckFriction(ModelEffect, ResistEffect):
     id = "stribeck_friction"
     confused_with = ("coulomb_friction", "dry_and_viscous_friction")
     separating_experiment = "slow motions"
+    shapes = frozenset({"speed"})
 
     @classmethod
     def parameters(cls, site: Site) -> Mapping[str, Parameter]:
