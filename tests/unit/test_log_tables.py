@@ -78,10 +78,27 @@ def test_rows_get_their_places(tmp_path: Path) -> None:
     with pytest.warns(LogWarning) as heard:
         log = read(tmp_path, table)
     said = " ".join(str(one.message) for one in heard)
-    assert "put in their place" in said and "1 rows without a time" in said and "2 have the time of the one" in said
+    assert (
+        "put in their place" in said
+        and "1 rows without a time" in said
+        and "1 of 998 times have several rows that differ" in said
+    )
     assert len(log.time) == 998 and (np.diff(log.time) > 0).all()
     at = int(np.searchsorted(log.time, TIME[699] - 1e-9))
     assert log.values["force"][at] == pytest.approx(np.mean(columns()["f"][699:701]))
+
+
+def test_a_table_of_several_topics_is_one(tmp_path: Path) -> None:
+    """Each row has what one of them said; no row contradicts another."""
+    given, empty = columns(), np.full(len(TIME), np.nan)
+    rows = [{"q": given["q"], "f": empty}, {"q": empty, "f": given["f"]}, {"q": empty, "f": given["f"]}]
+    table = {name: np.stack([{"t": TIME, **row}[name] for row in rows], axis=1).ravel() for name in given}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        log = read(tmp_path, table)
+    assert not log.findings and len(log.time) == len(TIME)
+    for name, field in (("motion", "q"), ("force", "f")):
+        np.testing.assert_allclose(log.values[name], given[field], atol=1e-8)
 
 
 def test_clocks_that_make_no_order_are_refused(tmp_path: Path) -> None:

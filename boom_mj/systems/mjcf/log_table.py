@@ -24,7 +24,7 @@ from boom_mj.systems.mjcf.channel_map import ChannelEntry, ChannelMap
 
 Array = np.ndarray
 Span = tuple[float, float]
-MOST_AGAIN = 0.5  # of the rows, that may have a time once more: beyond it the clock is coarser than what it stamps
+MOST_AGAIN = 0.5  # of the times, that may have rows that differ: beyond it the clock is coarser than what it stamps
 HOLE = 5.0  # usual steps between samples: what is bridged is no longer
 LONGEST = 2  # samples of a glitch
 BESIDE = 2  # samples on either side that a glitch is held against
@@ -85,6 +85,7 @@ def read_table(path: Path, channels: ChannelMap) -> LogTable:
     rows = {
         clock: _sorted(path, fields[clock] * channels.time_scale, {name: fields[name] for name in names})
         for clock, names in asked.items()
+        if names
     }
     time = np.unique(np.concatenate([stamps for stamps, _ in rows.values()]))
     values: dict[str, Array] = {}
@@ -172,9 +173,10 @@ def _sorted(path: Path, time: Array, fields: Mapping[str, Array]) -> tuple[Array
     except LogError as error:
         raise LogError(f"{path}: {error}") from error
     stamps, starts = np.unique(stamps, return_index=True)
-    if again := len(rows) - len(stamps):
-        said = f"{path}: of {len(rows)} rows {again} have the time of the one before"
-        if again > MOST_AGAIN * len(rows):
+    least, most = (of.reduceat(rows, starts, axis=0) for of in (np.fmin, np.fmax))
+    if differ := int((least < most).any(axis=1).sum()):
+        said = f"{path}: {differ} of {len(stamps)} times have several rows that differ"
+        if differ > MOST_AGAIN * len(stamps):
             raise LogError(f"{said}: times must increase")
         warnings.warn(f"{said}; their mean counts", LogWarning, stacklevel=3)
     known = np.isfinite(rows)
