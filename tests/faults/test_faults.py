@@ -187,7 +187,8 @@ def test_nothing_is_unpickled_or_evaluated() -> None:
             assert not banned & {name.partition(".")[0] for name in names}, path
             if isinstance(node, ast.Call):
                 called = ast.unparse(node.func)
-                assert called not in ("eval", "exec", "np.load", "numpy.load"), path
+                safe = any(k.arg == "allow_pickle" and ast.unparse(k.value) == "False" for k in node.keywords)
+                assert called not in ("eval", "exec") and (safe or called not in ("np.load", "numpy.load")), path
     for path in ours:  # what is unpickled there has been pickled there
         text = path.read_text()
         assert "pickle.dumps(" in text and "pickle.load(" not in text and "Unpickler" not in text, path
