@@ -19,6 +19,12 @@ def solved(as_built: Gaps, found: Scored) -> bool:
     return all(after <= found.model.criteria.enough(before) for before, after in zip(as_built, found.gaps))
 
 
+def leaps(found: Scored, before: Gaps) -> bool:
+    """Whether one more cause has closed half of what was left above noise, in training and held out."""
+    left = 1 - found.model.budget.leap
+    return all(after - 1 < left * (there - 1) for after, there in zip(found.gaps, before))
+
+
 def useful(found: Scored, as_built: Gaps) -> bool:
     """Whether it takes away more than the least that counts, in training and held out."""
     falls = (before**2 - after**2 for before, after in zip(as_built, found.gaps))

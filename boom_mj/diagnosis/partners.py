@@ -48,6 +48,22 @@ def partners_of(model: Linearisation, trunk: tuple[Effect, ...], screening: Scre
     return ranked[:count] if few else shortlist(model, ranked)
 
 
+def hidden_partners(
+    model: Linearisation, trunk: tuple[Effect, ...], screening: Screening, clock: Clock
+) -> list[Screened]:
+    """All of the library that promises a share of the best about the machine that effects make.
+
+    Where a size of one of them does a missing cause's part, that one promises little, and at a glance nothing: a softer
+    link turns the phase of what swings back that too large a load has turned.
+    """
+    clock.tell("screening all beside " + Candidate(trunk).label)
+    model = model.conditional_on(trunk)
+    raw = model.residual(*model.predict([trunk]))
+    lines = spectral_lines(model, model.clean(raw))
+    ranked = Screening(model, screening.kinds, lines, trunk, near=True).rank(raw)
+    return [one for one in ranked if one.share > model.budget.kind_share * ranked[0].share]
+
+
 def _surprising(ranked: Sequence[Screened], glance: Mapping[Kind, float], surprise: float) -> bool:
     """Whether any promises more than at a glance, by a share of the best; a latent input is more than its column."""
     effects = [one.candidate.effects[0] for one in ranked]

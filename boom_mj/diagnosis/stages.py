@@ -7,11 +7,11 @@ import numpy as np
 
 from boom_mj.diagnosis.candidate import Candidate
 from boom_mj.diagnosis.clock import Clock
-from boom_mj.diagnosis.decision import Gaps, choose, solved, sure, useful
+from boom_mj.diagnosis.decision import Gaps, choose, leaps, solved, sure, useful
 from boom_mj.diagnosis.fitting import fit, grid_starts
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.merging import likes_of, wholes_of
-from boom_mj.diagnosis.partners import pairs_of, partners_of, shared, shortlist
+from boom_mj.diagnosis.partners import hidden_partners, pairs_of, partners_of, shared, shortlist
 from boom_mj.diagnosis.refining import begun_anew, near, refine
 from boom_mj.diagnosis.scoring import Scored, score
 from boom_mj.diagnosis.screening import Screened, Screening
@@ -143,7 +143,7 @@ def _combine(
 
     def enough() -> bool:
         """Where all is soon tried a tie is worth the look."""
-        return saving if solved(as_built, scored[0]) else not last and _goes_on(scored[0], before)
+        return saving if solved(as_built, scored[0]) else not last and leaps(scored[0], before)
 
     while trunks and not enough():
         about, trunk = trunks.pop(0)
@@ -151,16 +151,14 @@ def _combine(
             continue
         pairs = pairs_of(trunk, partners_of(about, trunk, screening, clock)) + shared(trunk, scored)
         scored = _paired(scored, about, pairs, before, clock)
+        stuck = not solved(as_built, scored[0]) and not leaps(scored[0], before)
+        if saving and not last and not seen and stuck:
+            others = hidden_partners(about, trunk, screening, clock)
+            scored = _paired(scored, about, pairs_of(trunk, others), before, clock)
         if not seen and len(scored[0].fit.effects) == size:
             trunks.insert(0, (_about(scored[0], as_built, screening.model), _without_the_least(scored[0])))
         seen.add(machine)
     return scored
-
-
-def _goes_on(found: Scored, before: Gaps) -> bool:
-    """Whether one more cause has closed half of what was left above noise, in training and held out."""
-    left = 1 - found.model.budget.leap
-    return all(after - 1 < left * (there - 1) for after, there in zip(found.gaps, before))
 
 
 def _without_the_least(found: Scored) -> tuple[Effect, ...]:

@@ -121,7 +121,7 @@ def test_where_a_cause_closes_its_share_no_other_leader_is_looked_at(
     looked: Callable[..., list[int]], monkeypatch: MonkeyPatch
 ) -> None:
     assert looked() == [1, 2]
-    monkeypatch.setattr(stages, "_goes_on", lambda found, before: False)
+    monkeypatch.setattr(stages, "leaps", lambda found, before: False)
     assert looked()[:2] == [1, 1]
 
 
@@ -129,12 +129,29 @@ def test_where_no_more_may_follow_all_are_looked_at(looked: Callable[..., list[i
     assert looked(most=2)[:2] == [1, 1]
 
 
+def test_all_are_screened_where_none_closes_its_share_and_more_may_follow(
+    library: None, monkeypatch: MonkeyPatch
+) -> None:
+    """Of a machine that swings, beside the leader alone."""
+    asked, hidden_partners, true = list[int](), stages.hidden_partners, (LATE, HUM, term(Ramp, 2, -0.03))
+
+    def counted(about, trunk, *others):
+        asked.append(len(trunk))
+        return hidden_partners(about, trunk, *others)
+
+    monkeypatch.setattr(stages, "hidden_partners", counted)
+    monkeypatch.setattr(stages, "leaps", lambda found, before: False)
+    diagnose(predictor(true), most=2)
+    assert not asked
+    assert causes(diagnose(predictor(true), most=3)) == {effect.cause for effect in true} and asked == [1]
+
+
 @mark.parametrize(
     ("after", "goes_on"), [((1.9, 1.9), True), ((2.1, 1.9), False), ((1.9, 2.1), False), ((0.98, 0.98), True)]
 )
 def test_a_share_is_half_of_what_is_above_noise(after: tuple[float, float], goes_on: bool) -> None:
     found: Any = SimpleNamespace(gaps=after, model=SimpleNamespace(budget=SearchBudget()))
-    assert stages._goes_on(found, (2.9, 2.9)) == goes_on
+    assert stages.leaps(found, (2.9, 2.9)) == goes_on
 
 
 @mark.usefixtures("library")
