@@ -12,6 +12,8 @@ from boom_mj.diagnosis.scoring import Scored
 from boom_mj.diagnosis.screening import Screened, Screening
 from boom_mj.effects import Effect
 
+Array = np.ndarray
+
 
 def shortlist(model: Linearisation, screened: Sequence[Screened]) -> list[Screened]:
     """The best few, and the best of each kind that explains a share worth a simulation."""
@@ -33,10 +35,9 @@ def partners_of(model: Linearisation, trunk: tuple[Effect, ...], screening: Scre
     are short the best of other kinds are among them: a size far from the screened one promises too little.
     """
     clock.tell("screening beside " + Candidate(trunk).label)
-    model, few = model.conditional_on(trunk), model.facts.oscillatory
+    model, raw, lines = _about(model, trunk)
+    few = model.facts.oscillatory
     count = model.budget.partners if few else model.budget.finalists
-    raw = model.residual(*model.predict([trunk]))
-    lines = spectral_lines(model, model.clean(raw))
     glance = screening.beside(trunk, raw, lines)
     kinds, first = list(glance), count + list(glance.values()).count(np.inf)
     sample = kinds[:first] + kinds[first :: model.budget.every]
@@ -57,11 +58,16 @@ def hidden_partners(
     link turns the phase of what swings back that too large a load has turned.
     """
     clock.tell("screening all beside " + Candidate(trunk).label)
-    model = model.conditional_on(trunk)
-    raw = model.residual(*model.predict([trunk]))
-    lines = spectral_lines(model, model.clean(raw))
+    model, raw, lines = _about(model, trunk)
     ranked = Screening(model, screening.kinds, lines, trunk, near=True).rank(raw)
     return [one for one in ranked if one.share > model.budget.kind_share * ranked[0].share]
+
+
+def _about(model: Linearisation, trunk: tuple[Effect, ...]) -> tuple[Linearisation, Array, list[float]]:
+    """The machine that effects make, the whitened residual that it leaves (N,), and the frequencies in it."""
+    model = model.conditional_on(trunk)
+    raw = model.residual(*model.predict([trunk]))
+    return model, raw, spectral_lines(model, model.clean(raw))
 
 
 def _surprising(ranked: Sequence[Screened], glance: Mapping[Kind, float], surprise: float) -> bool:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cart import MAP, MODEL
 
 from boom_mj.cli.gap_data import load_gap_data
 from boom_mj.errors import LogError, LogWarning
@@ -15,27 +16,7 @@ from boom_mj.systems.mjcf.channel_map import parse_channel_map
 from boom_mj.systems.mjcf.log_table import LogTable, glitches, read_table
 from boom_mj.systems.mjcf.segments import smoothed, stretches_of
 
-MAP = """
-name = "cart"
-time = "t"
-window = 2.0
-cutoff = 10.0
-[[channel]]
-name = "motion"
-role = "drive"
-joint = "slide"
-field = "q"
-unit = "m"
-[[channel]]
-name = "force"
-role = "compare"
-actuator = "motor"
-field = "f"
-unit = "N"
-"""
 HANDS_OFF = MAP.replace('"drive"', '"compare"').replace('"compare"\nactuator', '"control"\nactuator')
-MODEL = """<mujoco><worldbody><body><joint name="slide" type="slide" axis="1 0 0"/><geom size="0.1" mass="1"/></body>
-</worldbody><actuator><motor name="motor" joint="slide"/></actuator></mujoco>"""
 TIME = np.arange(0, 10, 0.01)
 
 
@@ -289,8 +270,8 @@ def test_stamps_that_are_not_even_are_smoothed_in_time() -> None:
 
 def test_what_is_wrong_goes_with_the_machine_and_strictly_it_is_refused(tmp_path: Path) -> None:
     """Of healthy logs, too."""
-    (tmp_path / "map.toml").write_text('model = "cart.xml"\n' + MAP)
-    (tmp_path / "cart.xml").write_text(MODEL)
+    (tmp_path / "map.toml").write_text(MAP)
+    (tmp_path / "cart.xml").write_text(MODEL.format(kind="slide"))
     table = columns()
     table["q"][640] = np.nan
     log, where = written(tmp_path, table), tmp_path / "map.toml"

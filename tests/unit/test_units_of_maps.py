@@ -4,41 +4,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cart import MAP, MODEL
 
 from boom_mj.systems.mjcf import load_mjcf
-
-MODEL = """<mujoco><option timestep="0.005" gravity="0 0 0"/><compiler angle="radian"/><worldbody><body>
-<joint name="{kind}" type="{kind}" axis="1 0 0" range="-1 1"/><geom size="0.1" mass="2" pos="0 0 1"/></body></worldbody>
-<actuator><motor name="motor" joint="{kind}"/></actuator></mujoco>"""
-MAP = """
-name = "cart"
-model = "cart.xml"
-time = "t"
-window = 3.0
-[[channel]]
-name = "motion"
-role = "drive"
-joint = "slide"
-field = "q"
-unit = "m"
-[[channel]]
-name = "force"
-role = "compare"
-actuator = "motor"
-field = "f"
-unit = "N"
-"""
 
 
 def said(
     folder: Path, motion: float = 1.0, force: float = 1.0, text: str = MAP, kind: str = "slide", mass: float = 2.0
-):
+) -> list[tuple[str, str, str]]:
     """Findings of a mass of 2 kg in the model that moves, with logged numbers so many times what they should be."""
     time = np.arange(0, 10, 0.01)
     q = 0.3 * np.sin(2 * time) + 0.1 * np.sin(5 * time)
-    f = -mass * (1.2 * np.sin(2 * time) + 2.5 * np.sin(5 * time)) + 0.01 * np.random.default_rng(0).normal(
-        size=len(time)
-    )
+    f = -mass * (1.2 * np.sin(2 * time) + 2.5 * np.sin(5 * time))
+    f += 0.01 * np.random.default_rng(0).normal(size=len(time))
     rows = [f"{a:.3f},{b:.9g},{c:.9g}" for a, b, c in zip(time, motion * q, force * f)]
     (folder / "log.csv").write_text("\n".join(["t,q,f", *rows]) + "\n")
     (folder / "map.toml").write_text(text)

@@ -53,7 +53,7 @@ def pairs(evidence: Evidence, name: str) -> Iterator[tuple[int, Pair]]:
     """A signal of all recordings that tell what it should be."""
     for index in evidence.indices:
         if (should := expected(evidence, index, name)) is not None:
-            values, noise = evidence.recordings[index][name].values, evidence.noise(index, name)
+            values, noise = evidence.recordings[index][name].values, evidence.noise(name)
             alive = np.isfinite(values).any(axis=0)  # what is dead tells nothing
             if alive.any():
                 yield index, Pair(np.where(alive, values, 0.0) / noise, np.where(alive, should, 0.0) / noise)

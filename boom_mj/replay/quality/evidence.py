@@ -60,7 +60,7 @@ class Evidence:
             found.setdefault(sensor_of(name), []).append(name)
         return found
 
-    def noise(self, index: int, name: str) -> Array:
+    def noise(self, name: str) -> Array:
         """Standard deviation of a signal's channels, (k,), of the machine file."""
         return np.asarray(self.levels[name], float)
 

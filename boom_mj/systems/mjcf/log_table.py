@@ -26,6 +26,7 @@ Array = np.ndarray
 Span = tuple[float, float]
 MOST_AGAIN = 0.5  # of the times, that may have rows that differ: beyond it the clock is coarser than what it stamps
 HOLE = 5.0  # usual steps between samples: what is bridged is no longer
+EVEN = 1.5  # usual steps, up to which no sample is missing between two
 LONGEST = 2  # samples of a glitch
 BESIDE = 2  # samples on either side that a glitch is held against
 SIGMAS = 8.0  # times the noise or a step of it, by which it lies beyond them: noise alone does so once in 1e15 samples
@@ -220,7 +221,7 @@ def _findings(
     """Of a channel at its times (n,) with its glitches and holes; in answers time counts from the log's start."""
     missing = ~np.isfinite(own) & ~within(time, holes)
     steps = np.diff(time[np.isfinite(own)])
-    sparse = not len(steps) or (steps < 1.5 * np.median(steps)).all()  # none is missing: it comes at a rate of its own
+    sparse = not len(steps) or (steps < EVEN * np.median(steps)).all()  # none is missing: it comes at a rate of its own
 
     def said(kind: str, span: Span, text: str, action: Action) -> DataFinding:
         begin, end = (float(moment) - start for moment in span)

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
+import mujoco
 import numpy as np
 
 from boom_mj.errors import BoomError
@@ -36,9 +37,9 @@ def unit_findings(system: MjcfSystem, data: Dataset) -> Iterator[DataFinding]:
 
 def _wrong(system: MjcfSystem, data: Dataset, indices: list[int]) -> Iterator[tuple[ChannelEntry, str, str, float]]:
     """Channels of a log's stretches, what is wrong, in a word and in a sentence, and the factor that would mend it."""
-    beyond = set()
+    beyond, model = set(), system.spec.copy().compile()
     for entry in system.channels.channel:
-        if wide := _beyond(system, entry, [data.recordings[k] for k in indices]):
+        if wide := _beyond(model, entry, [data.recordings[k] for k in indices]):
             reach, limit, word, factor = wide
             beyond.add(entry.name)
             yield entry, "unit", f"reaches {reach:.4g}, its joint {limit:.4g} {entry.unit}, as if in {word}", factor
@@ -88,16 +89,13 @@ def _compared(
 
 
 def _beyond(
-    system: MjcfSystem, entry: ChannelEntry, logs: Sequence[Recording]
+    model: mujoco.MjModel, entry: ChannelEntry, logs: Sequence[Recording]
 ) -> tuple[float, float, str, float] | None:
     """How far a position goes that no joint with such limits can have, they, and the unit in which it could."""
     if not (entry.joint and entry.sensed and entry.what == "position"):
         return None
-    joint = system.spec.copy().compile().joint(entry.joint)
-    reach, limit = (
-        max(float(np.nanmax(np.abs(log[entry.name].values))) for log in logs),
-        float(np.abs(joint.range).max()),
-    )
+    limit = float(np.abs(model.joint(entry.joint).range).max())
+    reach = float(np.nanmax(np.abs(np.concatenate([log[entry.name].values for log in logs]))))
     for word, factor in UNITS.get(entry.unit, {}).items():
         if reach > OFF * limit > 0 and reach * factor < OFF * limit:
             return reach, limit, word, factor

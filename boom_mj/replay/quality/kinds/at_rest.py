@@ -35,7 +35,7 @@ def _moved(evidence: Evidence, index: int) -> float:
     """The largest range of a channel's means over MEAN, in noise; of all samples where the recording is shorter."""
     most = 0.0
     for name in evidence.measured(index):
-        signal, noise = evidence.recordings[index][name], evidence.noise(index, name)
+        signal, noise = evidence.recordings[index][name], evidence.noise(name)
         count = max(1, round(MEAN / float(np.median(np.diff(signal.time))))) if len(signal.time) > 1 else 1
         whole = signal.values[: len(signal.values) // count * count]
         if not len(whole):

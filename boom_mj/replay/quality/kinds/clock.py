@@ -169,7 +169,7 @@ def _lag(evidence: Evidence, index: int, stream: str) -> float | None:
     for name in evidence.measured(index):
         if not name.startswith(stream) or evidence.predicted(index, name) is None:
             continue
-        signal, noise = log[name], evidence.noise(index, name)
+        signal, noise = log[name], evidence.noise(name)
         inside = (signal.time > joints[0] - LAGS[0]) & (signal.time < joints[-1] - LAGS[-1])
         count += int(inside.sum()) * len(noise)
         for k, lag in enumerate(LAGS):

@@ -47,12 +47,12 @@ class Constant(Check):
                     for column in map(int, np.flatnonzero(where.any(axis=0))):
                         only = where & (np.arange(where.shape[1]) == column)
                         channel = f"{name}/{log[name].channels[column]}" if where.shape[1] > 1 else name
-                        rests = name == DRIVE and _rests(log, column, only[:, column], evidence.noise(index, name))
+                        rests = name == DRIVE and _rests(log, column, only[:, column], evidence.noise(name))
                         edit = together([]) if rests else blanked(name, only)
                         yield self._found(evidence, index, channel, name, only[:, column], edit, rests, column)
 
     def _bad(self, evidence: Evidence, index: int, name: str, coarse: dict[tuple[str, int], float]) -> Array:
-        signal, noise = evidence.recordings[index][name], evidence.noise(index, name)
+        signal, noise = evidence.recordings[index][name], evidence.noise(name)
         bad = np.zeros(signal.values.shape, bool)
         for column, values in enumerate(signal.values.T):
             step, own = resolution(values) or coarse[name, column], _while_it_moves(values)

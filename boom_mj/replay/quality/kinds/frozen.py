@@ -31,7 +31,7 @@ class Frozen(Check):
             should = expected(evidence, index, DRIVE)
             if should is None:
                 continue
-            joints, noise = evidence.recordings[index][DRIVE], evidence.noise(index, DRIVE)
+            joints, noise = evidence.recordings[index][DRIVE], evidence.noise(DRIVE)
             size = max(3, round(WINDOW / float(np.median(np.diff(joints.time)))))
             before = _delayed(should, _lag(joints.values / noise, should / noise, size))
             for column, channel in enumerate(joints.channels):

@@ -159,7 +159,7 @@ def _blow(evidence: Evidence, index: int) -> float | None:
     for name in evidence.measured(index):
         if name.endswith("specific_force"):
             signal = log[name]
-            step = np.abs(np.diff(signal.values, axis=0)) / evidence.noise(index, name)
+            step = np.abs(np.diff(signal.values, axis=0)) / evidence.noise(name)
             jumps.append((signal.time[1:], np.nanmax(np.nan_to_num(step), axis=1)))
     if not jumps:
         return None
@@ -168,5 +168,5 @@ def _blow(evidence: Evidence, index: int) -> float | None:
     if size[first] <= BLOW:
         return None
     around = np.abs(joints.time - time[first]) < 1.0
-    still = np.ptp(joints.values[around], axis=0) < 10 * evidence.noise(index, DRIVE)
+    still = np.ptp(joints.values[around], axis=0) < 10 * evidence.noise(DRIVE)
     return float(time[first]) if around.any() and still.all() else None

@@ -28,7 +28,7 @@ class Noisy(Check):
         low, high = NOISE_RANGE
         for index in evidence.indices:
             for name in evidence.measured(index):
-                signal, expected = evidence.recordings[index][name], evidence.noise(index, name)
+                signal, expected = evidence.recordings[index][name], evidence.noise(name)
                 for column, values in enumerate(signal.values.T):
                     known = values[np.isfinite(values)]
                     if len(known) < FEWEST or resolution(known) > 2 * expected[column] or np.ptp(known) == 0:

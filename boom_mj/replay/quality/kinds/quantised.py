@@ -22,7 +22,7 @@ class Quantised(Check):
         for index in evidence.indices:
             for name in evidence.measured(index):
                 signal = evidence.recordings[index][name]
-                level = evidence.noise(index, name)
+                level = evidence.noise(name)
                 steps = np.array([resolution(values) for values in signal.values.T])
                 for column in np.flatnonzero(steps > COARSE * level):
                     times = f"{steps[column] / level[column]:.1f} times its noise"

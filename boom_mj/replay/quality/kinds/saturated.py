@@ -25,7 +25,7 @@ class Saturated(Check):
             for name in evidence.measured(index):
                 if name == DRIVE:
                     continue
-                signal, noise = evidence.recordings[index][name], evidence.noise(index, name)
+                signal, noise = evidence.recordings[index][name], evidence.noise(name)
                 for column, values in enumerate(signal.values.T):
                     level = min(filter(None, (noise[column], own_noise(values))), default=0.0)
                     for end in limits(values, level) if level else ():

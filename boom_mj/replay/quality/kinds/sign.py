@@ -40,7 +40,7 @@ class Sign(Check):
 
 def _at_any_delay(evidence: Evidence, index: int, name: str) -> np.ndarray:
     """How much better the swings fit with the other sign if each sign may have a delay of its own, (k,)."""
-    signal, noise = evidence.recordings[index][name], evidence.noise(index, name)
+    signal, noise = evidence.recordings[index][name], evidence.noise(name)
     misfits: dict[int, list[np.ndarray]] = {1: [], -1: []}
     for delay in DELAYS:
         predicted = evidence.predicted(index, name, float(delay))

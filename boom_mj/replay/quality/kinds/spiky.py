@@ -57,7 +57,7 @@ class Spiky(Check):
         """By signal, (n, k) of bool."""
         found = {}
         for name in evidence.measured(index):
-            signal, noise = evidence.recordings[index][name], evidence.noise(index, name)
+            signal, noise = evidence.recordings[index][name], evidence.noise(name)
             columns = zip(signal.values.T, noise)
             levels = [(values, max(level, own_noise(values), resolution(values))) for values, level in columns]
             bad = np.stack([outliers(values, level) for values, level in levels], axis=1)

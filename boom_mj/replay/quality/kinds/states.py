@@ -142,7 +142,7 @@ def _rests(evidence: Evidence, index: int) -> Iterator[Rest]:
     for since, until, row in stretches:
         inside = (markers.time >= since) & (markers.time <= until)
         if inside.sum() > 3:
-            error = (markers.values - predicted)[inside] / evidence.noise(index, MARKERS)
+            error = (markers.values - predicted)[inside] / evidence.noise(MARKERS)
             count = np.isfinite(error).sum(axis=0)
             mean = np.where(count > 3, np.nansum(error, axis=0) / np.maximum(count, 1), np.nan)
             yield Rest(first if row == 0 else last, load[row], mean)

@@ -35,7 +35,7 @@ class JointUnit(Check):
                 should = expected(evidence, index, DRIVE)
                 if should is not None:
                     values = evidence.recordings[index][DRIVE].values[:, column]
-                    noise = evidence.noise(index, DRIVE)[column]
+                    noise = evidence.noise(DRIVE)[column]
                     scales[index] = _joint_scale(values, should[:, column], noise)
             yield from _wrong(evidence, DRIVE, scales, column)
 
@@ -55,7 +55,7 @@ class Unit(Check):
                     pair = pair.moving
                 square = np.nanmean(pair.measured**2, axis=0)
                 values = evidence.recordings[index][name].values.T
-                noise = [_noise(column, level) for column, level in zip(values, evidence.noise(index, name))]
+                noise = [_noise(column, level) for column, level in zip(values, evidence.noise(name))]
                 if name.startswith("cylinder"):
                     scale = np.sqrt(square / (pair.power + 1))
                 else:
