@@ -240,4 +240,5 @@ def _findings(
     if away.any():
         span, where = few(away)
         far = np.abs(own[away] - np.nanmedian(own)).max()
-        yield said("spiky", span, f"jumps away and back {where}, up to {far:.4g} {entry.unit or '1'}", Action.CENSORED)
+        text = f"jumps away and back {where}, up to {far:.4g} {entry.unit or '1'}"
+        yield said("spiky", span, text, Action.CENSORED if entry.role == "compare" else Action.REPAIRED)
