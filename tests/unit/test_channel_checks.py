@@ -216,7 +216,7 @@ def delayed(lag: float, level: float) -> SimpleNamespace:
         ],
         measured=lambda index: ["markers"],
         predicted=predicted,
-        noise=lambda index, name: np.full(10, level),
+        noise=lambda name: np.full(10, level),
     )
 
 
