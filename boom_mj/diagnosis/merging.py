@@ -28,7 +28,7 @@ def wholes_of(found: Scored, screening: Screening, before: float) -> list[Candid
     """
     model, effects, jacobian = found.model, found.fit.effects, found.fit.jacobian
     owners = np.array([owner for owner, *_ in found.fit.candidate.parameters])
-    there = {*found.fit.candidate.places}
+    there, most = {*found.fit.candidate.places}, max(model.criteria.near_noise_gap, model.criteria.enough(before))
     promised: dict[Candidate, float] = {}
     for size in PARTS:
         for parts in combinations(range(len(effects)), size):
@@ -38,7 +38,7 @@ def wholes_of(found: Scored, screening: Screening, before: float) -> list[Candid
             alike, square = screening.imitations(stay, change, model, jacobian[:, ~mine])
             for one in alike:
                 left = float(np.sqrt(found.train**2 + (1 - one.share) * square))
-                if left <= model.criteria.enough(before) and not {*one.candidate.places} & there:
+                if left <= most and not {*one.candidate.places} & there:
                     promised[Candidate((*stay, *one.candidate.effects))] = left
     return sorted(promised, key=promised.__getitem__)[: model.budget.leaders]
 
@@ -46,8 +46,9 @@ def wholes_of(found: Scored, screening: Screening, before: float) -> list[Candid
 def likes_of(found: Scored, screening: Screening) -> list[Candidate]:
     """Explanations with one cause in the place of another that it is known to be confused with.
 
-    Of every such kind the one at the same place, or where it does most of what the other does; causes that cannot stand
-    beside it go.
+    Of every such kind the one at the same place, or where it does most of what the other does; of its own the one at
+    another place that does most, if that is more than half of what its own column does. Causes that cannot stand beside
+    it go.
     """
     model, effects, fit = found.model, found.fit.effects, found.fit
     owners = np.array([owner for owner, *_ in fit.candidate.parameters])
@@ -55,10 +56,10 @@ def likes_of(found: Scored, screening: Screening) -> list[Candidate]:
     for k, effect in enumerate(effects):
         mine = owners == k
         alike, _ = screening.imitations((), fit.jacobian[:, mine] @ fit.scaled[mine], model, fit.jacobian[:, ~mine])
-        likes = dict[str, Effect]()
-        for like in (one.candidate.effects[0] for one in sorted(alike, key=lambda one: -one.share)):
-            here = like.site.key == effect.site.key or like.site.keys != effect.site.keys
-            if here and _confused(type(like), type(effect)):
+        ranked, likes = sorted(alike, key=lambda one: -one.share), dict[str, Effect]()
+        own = max((one.share for one in alike if one.candidate.effects[0].cause == effect.cause), default=1.0)
+        for like, share in ((one.candidate.effects[0], one.share) for one in ranked):
+            if _like(effect, like, share > model.criteria.main_share * own):
                 likes.setdefault(like.id, like)
         for like in likes.values():
             beside = (one for j, one in enumerate(effects) if j != k and apart(type(like), like.site, (one,)))
@@ -66,5 +67,9 @@ def likes_of(found: Scored, screening: Screening) -> list[Candidate]:
     return list(others)
 
 
-def _confused(one: type[Effect], other: type[Effect]) -> bool:
-    return one.id in other.confused_with or other.id in one.confused_with
+def _like(effect: Effect, other: Effect, much: bool) -> bool:
+    here = other.site.key == effect.site.key
+    if other.id == effect.id:
+        return much and not here
+    confused = other.id in effect.confused_with or effect.id in other.confused_with
+    return confused and (here or other.site.keys != effect.site.keys)

@@ -11,6 +11,7 @@ from boom_mj.diagnosis.lines import spectral_lines
 from boom_mj.diagnosis.scoring import Scored
 from boom_mj.diagnosis.screening import Screened, Screening
 from boom_mj.effects import Effect
+from boom_mj.estimation.bootstrap import gap
 
 Array = np.ndarray
 
@@ -87,3 +88,13 @@ def shared(trunk: tuple[Effect, ...], scored: Sequence[Scored]) -> list[tuple[Ca
     alone = [j.fit.effects[0] for j in scored if len(j.fit.effects) == 1]
     free = [effect for effect in alone if apart(type(effect), effect.site, trunk)]
     return [(Candidate((*trunk, effect)), 0.0) for effect in free[: scored[0].model.budget.singles_beside]]
+
+
+def without_the_least(found: Scored) -> tuple[Effect, ...]:
+    """Effects but the one that does least beside the others; not the last, to which others were tried."""
+    model, effects, train = found.model, found.fit.effects, found.model.data.train
+    fewer = [(*effects[:k], *effects[k + 1 :]) for k in range(len(effects) - 1)]
+    if len(fewer) == 1:
+        return fewer[0]
+    left = [gap(model.clean(model.residual(one)), train) for one in model.predict(fewer, training_only=True)]
+    return fewer[int(np.argmin(left))]

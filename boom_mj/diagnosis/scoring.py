@@ -148,7 +148,7 @@ def _hidden(inverse: Array, columns: Array, residual: Array, channel: Array, clu
 def profiled(found: Scored, before: float) -> Scored:
     """With wider deviations where a cost has many minima: derivatives inform of one, model error decides.
 
-    A size that leaves no more than the best and the share of the gap that the model itself may (`error_share`) is as
+    A size that leaves no more than the best and the share of the gap that jolts may (`rough_share`) is as
     good. From there a step by the derivatives leads to where all sizes might have ended as well.
     """
     model, candidate, at = found.model, found.fit.candidate, found.fit.scaled
@@ -175,8 +175,8 @@ def alternatives(ends: Sequence[Scored], before: float) -> Scored:
 
 
 def _as_good(best: Scored, before: float) -> float:
-    """What a size leaves in training that is as good as the best: more by the share that the model itself may."""
-    return best.train + best.model.criteria.error_share * (before - 1)
+    """What a size leaves in training that is as good as the best: more by the share that jolts may."""
+    return best.train + best.model.criteria.rough_share * (before - 1)
 
 
 def held_out_closure(model: Linearisation, before: Array, after: Array) -> Closure:

@@ -11,12 +11,10 @@ from boom_mj.diagnosis.decision import Gaps, choose, leaps, solved, sure, useful
 from boom_mj.diagnosis.fitting import fit, grid_starts
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.diagnosis.merging import likes_of, wholes_of
-from boom_mj.diagnosis.partners import hidden_partners, pairs_of, partners_of, shared, shortlist
+from boom_mj.diagnosis.partners import hidden_partners, pairs_of, partners_of, shared, shortlist, without_the_least
 from boom_mj.diagnosis.refining import begun_anew, near, refine
 from boom_mj.diagnosis.scoring import Scored, score
 from boom_mj.diagnosis.screening import Screened, Screening
-from boom_mj.effects import Effect
-from boom_mj.estimation.bootstrap import gap
 from boom_mj.estimation.least_squares import OPTIONS
 
 
@@ -58,7 +56,10 @@ def combined(
             scored = _revealed(shown, scored, screening, clock)
         if by_error and size <= together:
             scored = _swapped(scored, as_built, screening, clock)
-    scored = _merged(_anew(scored, as_built, begun, clock), as_built, screening, clock)
+    scored = _anew(scored, as_built, begun, clock)
+    if not by_error and scored[0].train < near(scored[0].model, as_built[0]):
+        scored = _swapped(scored, as_built, screening, clock)
+    scored = _merged(scored, as_built, screening, clock)
     worth = by_error or any(solved(as_built, j) for j in scored)
     return _simplified(scored, as_built, clock) if worth else scored
 
@@ -156,19 +157,9 @@ def _combine(
             others = hidden_partners(about, trunk, screening, clock)
             scored = _paired(scored, about, pairs_of(trunk, others), before, clock)
         if not seen and len(scored[0].fit.effects) == size:
-            trunks.insert(0, (_about(scored[0], as_built, screening.model), _without_the_least(scored[0])))
+            trunks.insert(0, (_about(scored[0], as_built, screening.model), without_the_least(scored[0])))
         seen.add(machine)
     return scored
-
-
-def _without_the_least(found: Scored) -> tuple[Effect, ...]:
-    """Effects but the one that does least beside the others; not the last, to which others were tried."""
-    model, effects, train = found.model, found.fit.effects, found.model.data.train
-    fewer = [(*effects[:k], *effects[k + 1 :]) for k in range(len(effects) - 1)]
-    if len(fewer) == 1:
-        return fewer[0]
-    left = [gap(model.clean(model.residual(one)), train) for one in model.predict(fewer, training_only=True)]
-    return fewer[int(np.argmin(left))]
 
 
 def _about(found: Scored, as_built: Gaps, nominal: Linearisation) -> Linearisation:
@@ -239,7 +230,8 @@ def _swapped(scored: list[Scored], as_built: Gaps, screening: Screening, clock: 
 
     Of what suffices as well: until nothing is left a like of the true cause may.
     """
-    most = scored[0].model.criteria.near_noise_gap
+    criteria = scored[0].model.criteria
+    most = criteria.near_noise_gap if criteria.gain_z else criteria.floor
     while max((leader := scored[0]).gaps) > most and not clock.over("causes like those found"):
         tried = {j.fit.candidate.places for j in scored}
         likes = [one for one in likes_of(leader, screening) if one.places not in tried]

@@ -11,9 +11,9 @@ from boom_mj.diagnosis.candidate import Candidate
 from boom_mj.diagnosis.clock import Clock
 from boom_mj.diagnosis.fitting import fit, refine_jointly
 from boom_mj.diagnosis.linearisation import Linearisation
+from boom_mj.diagnosis.partners import without_the_least
 from boom_mj.diagnosis.refining import begun_anew, beyond
 from boom_mj.diagnosis.scoring import alternatives, profiled, score
-from boom_mj.diagnosis.stages import _without_the_least
 from boom_mj.effects import Effect
 from boom_mj.estimation.bootstrap import gap
 from boom_mj.estimation.intervals import Z95
@@ -124,4 +124,4 @@ def test_a_size_is_as_unsure_as_ends_that_are_as_good_are_apart(worse: float, un
 def test_others_are_tried_in_the_place_of_what_does_least(causes: tuple[Effect, ...], kept: tuple[Effect, ...]) -> None:
     about = model(causes)
     found = score(about, fit(about, Candidate(causes)))
-    assert [effect.cause for effect in _without_the_least(found)] == [effect.cause for effect in kept]
+    assert [effect.cause for effect in without_the_least(found)] == [effect.cause for effect in kept]

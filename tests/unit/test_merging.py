@@ -95,8 +95,18 @@ def test_a_cause_gives_way_to_the_one_it_is_confused_with_at_its_place(true: typ
     leader, *others = stages._swapped([first], gaps, screening, Clock())
     assert leader.fit.candidate.places == Candidate((cause, HUM)).places and others == [first]
     assert leader.train < 1.05 < first.train
-    large = (1e4, 1e4)  # of a gap so large it suffices as well
+    first, screening, _ = explained((cause, HUM), (term(by, 1, 0.5), HUM), kind="mjcf")
+    large = (1e5, 1e5)  # of a gap so large it suffices as well
     assert solved(large, first) and stages._swapped([first], large, screening, Clock())[0].train < 1.05
+
+
+def test_a_cause_gives_way_to_its_like_at_another_place() -> None:
+    """What all sensors say alike is so by whatever name; a square of one sensor is none of another's."""
+    found, screening, _ = explained((WHOLE, SQUARE), (WHOLE, SQUARE))
+    places = {one.places for one in likes_of(found, screening)}
+    elsewhere = Candidate((SQUARE, term(Common, 2, 1.0)))
+    assert elsewhere.places in places
+    assert not any(("square", (("sensor", 2),)) in there for there in places)
 
 
 def test_what_changes_nothing_nothing_is_like() -> None:
