@@ -93,11 +93,11 @@ def diagnosis(case: str, training: int = 2) -> Diagnosis:
     model, verdict = model_of(training), case.split()[0]
     before = 1.0 if verdict == "consistent" else 8.0
     model = replace(model, base=model.base - model.data.noise * residual(model, before))
-    after = {"partial": 2.0, "unexplained": 6.0}.get(verdict, 1.05)
+    after = {"consistent": before, "partial": 2.0, "unexplained": 6.0}.get(verdict, 0.98)
     pair = case.endswith("beside a suspect")
     found = (
         *((scored(model, (*PAYLOAD, *HEAVIER), 0.95 * after),) if pair else ()),
-        scored(model, PAYLOAD, min(before, after)),
+        scored(model, PAYLOAD, after),
         scored(model, HEAVIER, 1.1 if verdict == "ambiguous" else 1.2 * before),
         scored(model, SOFT, 1e6),
     )
