@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import erf
 
+from boom_mj.diagnosis.candidate import Candidate
 from boom_mj.diagnosis.fitting import Fit
 from boom_mj.diagnosis.linearisation import Linearisation
 from boom_mj.effects import Effect
@@ -71,6 +72,11 @@ class Scored:
     def doubt(self) -> float:
         """What unlikely sizes cost, in logarithms of mean squares."""
         return 0.0 if self.plausible else -2 * float(np.log(self.model.criteria.unlikely_gap))
+
+    @property
+    def refined(self) -> bool:
+        """Whether it was fitted about the machine that its causes make."""
+        return Candidate(self.model.effects).places == self.fit.candidate.places
 
     @property
     def label(self) -> str:

@@ -233,7 +233,7 @@ def _swapped(scored: list[Scored], as_built: Gaps, screening: Screening, clock: 
     criteria = scored[0].model.criteria
     most = criteria.near_noise_gap if criteria.gain_z else criteria.floor
     while max((leader := scored[0]).gaps) > most and not clock.over("causes like those found"):
-        tried = {j.fit.candidate.places for j in scored}
+        tried = {j.fit.candidate.places for j in scored if criteria.gain_z or j.refined}
         likes = [one for one in likes_of(leader, screening) if one.places not in tried]
         if likes:
             clock.tell("in the place of one that is like it: " + ", ".join(one.label for one in likes))
