@@ -74,14 +74,13 @@ def sure(without: Array, found: Scored) -> bool:
 
 def choose(scored: Sequence[Scored], as_built: Gaps) -> Scored | None:
     """The best single cause, of those that suffice if any do, with few parameters, or more causes, each worth it."""
-    before = as_built[1]
     helpful = [j for j in scored if useful(j, as_built)]
     if helpful and helpful[0].model.criteria.gain_z:
         return _within_error(helpful)
     singles = [j for j in helpful if len(j.fit.effects) == 1]
     singles = [j for j in singles if solved(as_built, j)] or singles
     best = min(singles, key=_price, default=None)
-    best = _simplest(best, singles, before)
+    best = _simplest(best, singles, as_built)
     for size in range(2, 1 + max((len(j.fit.effects) for j in helpful), default=0)):
         best = _with_more(best, [j for j in helpful if len(j.fit.effects) == size], scored, as_built)
     return best
@@ -149,20 +148,23 @@ def _with_more(
         inaccurate = 0.0 if exact else criteria.leakage * (before**2 - alone**2)
         enough = gain > criteria.least_gain + inaccurate and all(sure(one.fit.residual, found) for one in members)
         if enough and alone - found.held_out > criteria.required_gain * (alone - 1):
-            return _simplest(found, larger, before)
+            return _simplest(found, larger, as_built)
     return best
 
 
-def _simplest(best: Scored | None, rivals: Sequence[Scored], before: float) -> Scored | None:
-    """The same causes with fewer parameters, where the others do not close their share of what those leave."""
+def _simplest(best: Scored | None, rivals: Sequence[Scored], as_built: Gaps) -> Scored | None:
+    """The same causes with fewer parameters, where the others do not close their share of what those leave.
+
+    What suffices is simplified only to what suffices.
+    """
     for found in rivals:
-        if best and nested(found, best):
+        if best and nested(found, best) and solved(as_built, found) >= solved(as_built, best):
             criteria = found.model.criteria
             loss = found.held_out**2 - best.held_out**2
             share = criteria.required_gain * (found.held_out - 1)
             same = [e.id for e in found.fit.effects] == [e.id for e in best.fit.effects]
             if same and criteria.leakage:
-                best = found if loss < criteria.leakage * before**2 else best
+                best = found if loss < criteria.leakage * as_built[1] ** 2 else best
             elif loss < criteria.least_gain or found.held_out - best.held_out < share:
                 best = found
     return best

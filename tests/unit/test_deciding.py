@@ -99,11 +99,15 @@ def test_rivals_tie_within_their_uncertainty(monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_of_the_same_causes_the_fewer_parameters_stand_by_mean_squares() -> None:
-    best = scored(0.98, SOFTER)
-    for left, simpler in ((1.5, True), (1.56, False)):  # 1 % of 144 may be inaccuracy
-        found = scored(left, SOFT)
-        chosen = decision._simplest(best, [found], 12.0) if decision.nested(found, best) else None
-        assert chosen is (found if simpler else best)
+    for most, left, simpler in (
+        (1.2, 1.69, True),  # 1 % of 144 may be inaccuracy
+        (1.2, 1.71, False),
+        (0.98, 1.005, True),  # both suffice
+        (0.98, 1.02, False),  # the simpler one does not
+    ):
+        best, found = scored(most, SOFTER), scored(left, SOFT)
+        assert decision.nested(found, best)
+        assert decision._simplest(best, [found], (12.0, 12.0)) is (found if simpler else best)
 
 
 def test_a_cause_is_needed_where_the_rest_leaves_much_more(monkeypatch: pytest.MonkeyPatch) -> None:
