@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from boom_mj.blind.grading import judge_case
 from boom_mj.diagnosis.criteria import BOOM
 
 PARTS = "train", "holdout"
@@ -34,11 +35,6 @@ def read(archive: Path) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
             yield truth, answer
 
 
-def causes(effects: list[dict[str, Any]]) -> set[str]:
-    """Ids and places."""
-    return {json.dumps([e["id"], e["location"]], sort_keys=True) for e in effects}
-
-
 def row(label: str, where: str, left: Any) -> str:
     """Quantiles of what is left."""
     figures = [f"{q:.3f}" for q in np.quantile(left, [0.05, 0.5, 0.95, 1.0])]
@@ -52,7 +48,7 @@ def main() -> None:
     found = [pair for archive in parser.parse_args().archives for pair in read(archive)]
     found = [(sealed, answer) for sealed, answer in found if answer["verdict"] in ("explained", "ambiguous")]
     gaps = np.array([[max(a["gap"][p][k] for p in PARTS) for k in ("before", "after")] for _, a in found])
-    right = np.array([causes(sealed["effects"]) == causes(answer["effects"]) for sealed, answer in found])
+    right = np.array([judge_case("", sealed, answer).placed for sealed, answer in found])
     print(HEADER)
     for label, mine in (("right", right), ("wrong", ~right)):
         for low, high in pairwise(EDGES):

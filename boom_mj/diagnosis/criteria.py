@@ -21,7 +21,7 @@ class Criteria:
         1.01,
         "gap",
         "what an explanation may leave besides `error_share`: 80 healthy booms show 0.987 +- 0.004, at most 1.000, and "
-        "of 529 right answers of opened seeds all but 5 leave less, half of the 51 wrong ones more; of MJCF machines "
+        "of 530 right answers of opened seeds all but 5 leave less, half of the 50 wrong ones more; of MJCF machines "
         "the truth itself mostly leaves 1.0 to 1.9 on benches, whatever the gap",
     )
     healthy_gap: float = number(1.05, "gap", "up to which nothing needs explaining, unless a cause is sure")
@@ -69,7 +69,11 @@ class Criteria:
         "of causes that leave a gap and surely close half, that stand for others: 15 of 20 of opened seeds, weighed by "
         "`outside`; of MJCF machines, whose floor is never reached, by judgement",
     )
-    main_share: float = number(0.5, "share of gap", "that a law must surely close: what closes less is not its cause")
+    main_share: float = number(
+        0.5,
+        "share of gap",
+        "that a law must surely close: what closes less is not its cause; or a like elsewhere, of what a cause closes",
+    )
     named_probability: float = number(0.5, "probability", "from which a cause is named although it leaves a gap")
     unnamed: float = number(
         0.0,

@@ -294,7 +294,10 @@ def test_a_steady_tone_screened_as_a_pulsation_stays_within_its_bounds() -> None
 
 
 def test_what_an_explanation_may_leave_grows_with_the_gap_above_the_floor() -> None:
-    assert BOOM.enough(3.0) == pytest.approx(BOOM.explained_gap + 2 * BOOM.error_share)
+    """Of a boom it does not."""
+    assert MJCF.enough(3.0) == pytest.approx(MJCF.explained_gap + 2 * MJCF.error_share)
+    assert MJCF.enough(3.0) > MJCF.enough(1.0) == MJCF.explained_gap
+    assert BOOM.enough(50.0) == BOOM.explained_gap
 
 
 def test_logarithms_of_what_channels_leave_window_by_window() -> None:

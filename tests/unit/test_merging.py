@@ -1,5 +1,7 @@
 """One cause in the place of several: what all sensors say alike, met as what each of them says."""
 
+from dataclasses import replace
+
 import numpy as np
 from algebra import HUM, SITES, SQUARE, Common, Cube, Hum, Offset, Ramp, Square, Term, predictor, term
 from pytest import MonkeyPatch, approx, mark
@@ -98,6 +100,17 @@ def test_a_cause_gives_way_to_the_one_it_is_confused_with_at_its_place(true: typ
     first, screening, _ = explained((cause, HUM), (term(by, 1, 0.5), HUM), kind="mjcf")
     large = (1e5, 1e5)  # of a gap so large it suffices as well
     assert solved(large, first) and stages._swapped([first], large, screening, Clock())[0].train < 1.05
+
+
+@mark.parametrize("known", [False, True])
+def test_causes_of_a_boom_that_leave_more_than_noise_give_way(known: bool) -> None:
+    """To what was fitted roughly before, too."""
+    first, screening, gaps = explained((SQUARE, HUM), (term(Dented, 1, 0.5), HUM))
+    assert gaps[0] > 2 and 1.01 < first.train < 1 + 0.25 * (gaps[0] - 1)
+    rough = replace(first, fit=replace(first.fit, candidate=Candidate((HUM, SQUARE))), held_out=2 * first.held_out)
+    leader, *_ = stages.combined([first, *[rough] * known], gaps, screening, Clock(), 2)
+    assert leader.fit.candidate.places == Candidate((SQUARE, HUM)).places and leader.refined
+    assert max(leader.gaps) < 1.05
 
 
 def test_a_cause_gives_way_to_its_like_at_another_place() -> None:
